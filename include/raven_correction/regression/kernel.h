@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stationary covariance functions of a scaled distance. How they are evaluated fast on whole
+// matrices is kernel_matrix.h; how their parameters are learnt is hyperparameters.h.
+#pragma once
+
+#include <string>
+
+namespace raven_correction {
+
+/// Correlation c(r) of the scaled distance r = || (a - b) / l || (l: one length per feature, or
+/// one for all). k(a, b) = s^2 c(r). Source: Rasmussen, Williams 2006, Gaussian Processes for
+/// Machine Learning, section 4.2, isbn 026218253X.
+enum class KernelType {
+  kSquaredExponential,  ///< exp(-r^2 / 2)
+  kMatern32,            ///< (1 + sqrt(3) r) exp(-sqrt(3) r)
+  kMatern52,            ///< (1 + sqrt(5) r + 5 r^2 / 3) exp(-sqrt(5) r)
+};
+
+/// "squared_exponential", "matern32", "matern52".
+/// @throws InvalidInput  for any other name; the text lists these
+KernelType kernelFromName(const std::string& name);
+const char* kernelName(KernelType type) noexcept;
+
+}  // namespace raven_correction
