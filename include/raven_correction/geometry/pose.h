@@ -12,8 +12,8 @@ namespace raven_correction {
 
 /// A rigid transform X_a_b: the pose of frame b in frame a.
 struct Pose {
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();              ///< origin of b in a [m]
-  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();    ///< axes of b in a, unit
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();            ///< origin of b in a [m]
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();  ///< axes of b in a, unit
 
   /// X_a_c = X_a_b * X_b_c
   Pose operator*(const Pose& X_b_c) const noexcept { return {p + q * X_b_c.p, q * X_b_c.q}; }

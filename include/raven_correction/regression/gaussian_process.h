@@ -18,17 +18,17 @@ enum class GpBackend { kExact, kSparse };
 
 struct GpConfig {
   KernelType kernel = KernelType::kMatern32;
-  bool ard = true;                    ///< one length scale per feature; false: one for all
+  bool ard = true;  ///< one length scale per feature; false: one for all
   MeanType mean = MeanType::kZero;
   GpBackend backend = GpBackend::kSparse;
   /// Outputs that share a kernel: length scales and the ratio of noise to signal variance are
   /// common, the signal variance is each output's own. Every output in exactly one group; empty:
   /// each output is its own group.
   std::vector<std::vector<int>> groups;
-  int max_hyper_points = 1000;    ///< rows that the hyper-parameters are learnt on, chosen by seed
-  int max_exact_points = 4000;    ///< kExact: rows of the posterior, chosen by seed
-  int inducing_points = 400;      ///< kSparse: size of the inducing set of each group
-  int restarts = 1;               ///< starts of the hyper-parameter search
+  int max_hyper_points = 1000;  ///< rows that the hyper-parameters are learnt on, chosen by seed
+  int max_exact_points = 4000;  ///< kExact: rows of the posterior, chosen by seed
+  int inducing_points = 400;    ///< kSparse: size of the inducing set of each group
+  int restarts = 1;             ///< starts of the hyper-parameter search
   std::uint64_t seed = 1;
 };
 
@@ -37,16 +37,16 @@ struct GpConfig {
 ///   variance_k(x) = s_k^2 (1 - || U c ||^2 + || W c ||^2), c_i = c(x, z_i); of the latent function
 /// Exact: z are the training rows and W is empty. Observations add noise_variance(k).
 struct GpGroup {
-  std::vector<int> outputs;           ///< indices into the q outputs
+  std::vector<int> outputs;  ///< indices into the q outputs
   KernelType kernel = KernelType::kMatern32;
-  Eigen::VectorXd length_scales;      ///< d, in units of the features
-  Eigen::VectorXd signal_variance;    ///< one per output of the group
-  Eigen::VectorXd noise_variance;     ///< one per output of the group
-  Eigen::MatrixXd points;             ///< d x m: z, training rows or inducing points
-  Eigen::MatrixXd weights;            ///< m x outputs: alpha
-  Eigen::MatrixXd mean_weights;       ///< (1 + d) x outputs: B; zero where the mean is zero
-  Eigen::MatrixXd variance_down;      ///< m x m lower triangular: U, inverse Cholesky factor
-  Eigen::MatrixXd variance_up;        ///< m x m lower triangular: W; empty (0 x 0) when exact
+  Eigen::VectorXd length_scales;    ///< d, in units of the features
+  Eigen::VectorXd signal_variance;  ///< one per output of the group
+  Eigen::VectorXd noise_variance;   ///< one per output of the group
+  Eigen::MatrixXd points;           ///< d x m: z, training rows or inducing points
+  Eigen::MatrixXd weights;          ///< m x outputs: alpha
+  Eigen::MatrixXd mean_weights;     ///< (1 + d) x outputs: B; zero where the mean is zero
+  Eigen::MatrixXd variance_down;    ///< m x m lower triangular: U, inverse Cholesky factor
+  Eigen::MatrixXd variance_up;      ///< m x m lower triangular: W; empty (0 x 0) when exact
 };
 
 struct GpModel {
@@ -59,13 +59,13 @@ struct GpFitReport {
   struct Group {
     double log_marginal_likelihood = 0.0;  ///< on the rows the hyper-parameters were learnt on
     bool converged = false;
-    std::string message;    ///< why the search ended
-    double jitter = 0.0;    ///< added to the diagonal, relative to the signal variance [-]
+    std::string message;  ///< why the search ended
+    double jitter = 0.0;  ///< added to the diagonal, relative to the signal variance [-]
     int iterations = 0;
   };
   std::vector<Group> groups;
-  int rows = 0;        ///< given
-  int rows_used = 0;   ///< in the posterior
+  int rows = 0;       ///< given
+  int rows_used = 0;  ///< in the posterior
   double seconds_hyperparameters = 0.0;
   double seconds_posterior = 0.0;
 };

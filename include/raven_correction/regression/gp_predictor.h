@@ -31,8 +31,8 @@ class GpPredictor {
   /// @param x         d features
   /// @param mean      q values, written
   /// @param variance  q values, written, >= 0; may be nullptr
-  void predict(const double* x, double* mean, double* variance, Workspace& workspace) const
-      noexcept;
+  void predict(const double* x, double* mean, double* variance,
+               Workspace& workspace) const noexcept;
 
   /// The same for n queries at once, threaded.
   /// @param x  n x d;  mean, variance: resized to n x q; variance may be nullptr
