@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The learnt correction F = H o G as plain data: what a model file holds, and nothing that is only
+// needed to compute fast. Using it is predictor.h, making it training.h.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "raven_correction/correction/motion.h"
+#include "raven_correction/geometry/pose.h"
+#include "raven_correction/regression/gaussian_process.h"
+
+namespace raven_correction {
+
+/// Where the correction fades: H where its deviation is high, G outside its workspace.
+struct TrustRegion {
+  Eigen::Vector3d workspace_min = Eigen::Vector3d::Zero();  ///< of training poses before G [m]
+  Eigen::Vector3d workspace_max = Eigen::Vector3d::Zero();  ///< of training poses before G [m]
+  double workspace_margin = 0.05;  ///< G is gone this far outside the box, > 0 [m]
+  /// Ratio of predicted to prior deviation at which H begins to fade and at which it is gone,
+  /// 0 < start < end <= 1 [-]. At 1 the data say nothing.
+  double fade_start = 0.8;
+  double fade_end = 0.95;
+};
+
+/// Conventions (design, section 5): a desired pose x = (p, R) goes to x_G = G x = (p_G, R_G); the
+/// process learns y = (dp, r) with command position p_G + dp (base frame) and orientation
+/// R_G exp(r) (frame of the tool after the rigid step).
+struct CorrectionModel {
+  std::string id;                   ///< unique name
+  std::string version;              ///< of the package that trained it
+  double trained_at = 0.0;          ///< Unix time [s]
+  std::string frame = "base";       ///< base frame of all poses
+  std::string arm;                  ///< robot and arm it is for; empty: not known
+  std::vector<std::string> inputs;  ///< files it was trained on
+  std::string input_hash;           ///< of the training pairs
+  std::string configuration;        ///< the complete trainer configuration, YAML
+
+  double delay = 0.0;  ///< observation behind command [s]
+  Pose rigid;          ///< G, applied from the left
+  Eigen::Quaterniond mean_orientation = Eigen::Quaterniond::Identity();  ///< after G
+  MotionOptions motion;
+  GpModel process;  ///< H; without groups F is G alone
+  TrustRegion trust;
+
+  std::size_t training_pairs = 0;
+  std::size_t training_trajectories = 0;
+  struct HeldOut {  ///< norms of the mean absolute errors on trajectories left out of a fit
+    double position_before = std::numeric_limits<double>::quiet_NaN();  ///< no correction [m]
+    double angle_before = std::numeric_limits<double>::quiet_NaN();     ///< ZYX angles [rad]
+    double position_after = std::numeric_limits<double>::quiet_NaN();   ///< this model [m]
+    double angle_after = std::numeric_limits<double>::quiet_NaN();      ///< this model [rad]
+  } held_out;
+};
+
+/// Features of the process: position and rotation vector relative to the mean orientation, then
+/// (v, w) of each twist, everything after G: 6 (1 + twistCount()).
+std::size_t featureCount(const MotionOptions& options) noexcept;
+
+/// Writes featureCount() numbers. No allocation.
+/// @param motion  before G
+void computeFeatures(const Motion& motion, const Pose& rigid,
+                     const Eigen::Quaterniond& mean_orientation, std::size_t twists,
+                     double* features) noexcept;
+
+/// y = (dp, r) that turns x_G into the command.
+Eigen::Matrix<double, 6, 1> correctionBetween(const Pose& after_rigid,
+                                              const Pose& command) noexcept;
+/// The command that y = (dp, r) makes of x_G.
+Pose applyCorrection(const Pose& after_rigid, const Eigen::Matrix<double, 6, 1>& y) noexcept;
+
+}  // namespace raven_correction

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/correction/model.h"
+
+namespace raven_correction {
+
+std::size_t featureCount(const MotionOptions& options) noexcept {
+  return 6 * (1 + twistCount(options));
+}
+
+void computeFeatures(const Motion& motion, const Pose& rigid,
+                     const Eigen::Quaterniond& mean_orientation, std::size_t twists,
+                     double* features) noexcept {
+  Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 1 + kMaxLags>> x(
+      features, 6, static_cast<Eigen::Index>(1 + twists));
+  const Pose after = rigid * motion.pose;
+  x.col(0) << after.p, logRotation(mean_orientation.conjugate() * after.q);
+  for (std::size_t k = 0; k < twists; ++k)
+    x.col(static_cast<Eigen::Index>(1 + k)) << rigid.q * motion.twists[k].v,
+        rigid.q * motion.twists[k].w;
+}
+
+Eigen::Matrix<double, 6, 1> correctionBetween(const Pose& after_rigid,
+                                              const Pose& command) noexcept {
+  Eigen::Matrix<double, 6, 1> y;
+  y << command.p - after_rigid.p, logRotation(after_rigid.q.conjugate() * command.q);
+  return y;
+}
+
+Pose applyCorrection(const Pose& after_rigid, const Eigen::Matrix<double, 6, 1>& y) noexcept {
+  return {after_rigid.p + y.head<3>(), (after_rigid.q * expRotation(y.tail<3>())).normalized()};
+}
+
+}  // namespace raven_correction
