@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The motions of a debridement task: to a fragment of the field, up with it, and over to a
+// receptacle. The live planner and offline sessions draw them from the same generator.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "raven_correction/geometry/stream.h"
+#include "raven_correction/robot/inverse_kinematics.h"
+
+namespace raven_correction {
+
+/// Positions are in the arm's base frame. Defaults: the left Raven of the CASE 2014 session.
+struct DebridementConfig {
+  Eigen::Vector3d field_centre{-0.020, -0.060, -0.140};  ///< middle of the field of fragments [m]
+  Eigen::Vector3d field_size{0.08, 0.08, 0.02};          ///< x, y, z [m]
+  Eigen::Vector3d receptacle{-0.060, -0.040, -0.120};    ///< where fragments are dropped [m]
+  double lift_height = 0.02;  ///< above fragment and receptacle, along z [m]
+  Eigen::Vector3d box_lower{-0.083, -0.100, -0.175};  ///< commands stay inside this box [m]
+  Eigen::Vector3d box_upper{0.040, -0.017, -0.091};
+  Eigen::Quaterniond orientation{0.5, -0.5, 0.5, 0.5};   ///< mean tool orientation
+  Eigen::Vector3d orientation_deviation{0.2, 0.2, 0.2};  ///< of its rotation vector per axis [rad]
+  double speed = 0.04;         ///< along a straight move, in its middle [m/s]
+  double angular_speed = 0.8;  ///< the slower of both limits sets the time [rad/s]
+  double acceleration = 0.2;   ///< at the start and the end of a move [m/s^2]
+  double rate = 50.0;          ///< of commands [Hz]
+  double dwell = 0.5;          ///< commands go on at the target for this long [s]
+};
+
+/// One motion between two rests: a trajectory of the data set.
+struct DebridementTrajectory {
+  enum class Kind { kMoveTowardsFragment, kCheckPickup, kMoveHolding };
+  Kind kind = Kind::kMoveTowardsFragment;
+  PoseStream commands;         ///< at `rate`, first stamp = the given start; ends with the dwell
+  Pose target;                 ///< where it comes to rest
+  double rest_start = 0.0;     ///< stamp from which on commands equal `target` [s]
+  bool holding = false;        ///< a fragment is in the gripper during the motion
+  std::uint64_t fragment = 0;  ///< number of the fragment, from 0
+};
+/// "move_towards_foam", "check_pickup", "move_holding": the names of the measured session.
+const char* toString(DebridementTrajectory::Kind kind) noexcept;
+
+/// Deterministic from its seed and the sequence of calls.
+class DebridementMotion {
+ public:
+  /// @throws InvalidInput  a value out of range, or a field that the robot cannot reach
+  DebridementMotion(const DebridementConfig& config, const KinematicChain& robot,
+                    std::uint64_t seed);
+  /// Where the tool rests between trajectories: the end of the last one, or the first start.
+  const Pose& rest() const noexcept { return rest_; }
+  /// The next motion, in the cycle towards, check pickup, holding.
+  /// @param start  stamp of its first command [s]
+  DebridementTrajectory next(double start);
+  /// A random pose over the field that the robot can reach, e.g. as a target of one's own.
+  Pose randomTarget();
+  /// A motion from rest() to `target`, with the same speed profile; becomes the new rest.
+  DebridementTrajectory moveTo(const Pose& target, double start);
+
+ private:
+  DebridementConfig config_;
+  InverseKinematics ik_;
+  JointVector seed_joints_;
+  std::mt19937_64 random_;
+  Pose rest_;
+  Pose fragment_pose_;
+  std::uint64_t fragments_ = 0;
+  int phase_ = 0;
+};
+
+}  // namespace raven_correction

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a motion-capture system reports of a tool: noisy, at its own rate, with cameras that lose
+// sight, frames that repeat, and gaps. Poses go in and come out in `base` (already registered).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "raven_correction/geometry/stream.h"
+
+namespace raven_correction {
+
+/// Every probability is per frame; every duration is exponentially distributed about its mean.
+struct MotionCaptureConfig {
+  double rate = 120.0;        ///< frames [Hz], in [1, 1000]
+  double noise = 1e-4;        ///< of each marker, one standard deviation per axis [m]
+  double camera_bias = 5e-4;  ///< standard deviation of a camera's constant error at the tool [m]
+  double camera_loss_rate = 0.2;    ///< how often a camera loses sight by chance [1/s]
+  double camera_loss_time = 0.2;    ///< for how long, mean [s]
+  double repeat_probability = 0.0;  ///< a frame is reported again with the stamp of the last [-]
+  double drop_probability = 0.0;    ///< a single frame is missing [-]
+  double gap_rate = 0.0;            ///< how often the stream pauses [1/s]
+  double gap_time = 0.1;            ///< for how long, mean [s]
+  double swap_rate = 0.0;           ///< how often two markers are taken for one another [1/s]
+  double swap_time = 0.05;          ///< for how long, mean [s]
+  double stamp_jitter = 0.0;        ///< standard deviation of a stamp's error [s]
+  double latency = 0.0;             ///< stamps are this much later than the exposure [s]
+};
+
+/// One frame as it left the system.
+struct MocapFrame {
+  double exposure = 0.0;            ///< when the picture was taken [s]
+  std::optional<StampedPose> pose;  ///< nothing when a marker was not seen or the frame was dropped
+  unsigned visible_cameras = 0;     ///< bit c: camera c had sight of the tool
+  bool repeated = false;            ///< the frame before, reported again
+};
+
+/// Deterministic from its seed and the sequence of calls.
+class MotionCapture {
+ public:
+  MotionCapture(const MotionCaptureConfig& config, std::uint64_t seed, double start = 0.0);
+  /// Exposure of the next frame [s]: bring the arm there, then capture() it.
+  double nextExposure() const noexcept { return next_exposure_; }
+  /// Takes the frame at nextExposure() and moves on to the next.
+  /// @param X_base_tool  where the tool is at that instant
+  MocapFrame capture(const Pose& X_base_tool);
+  /// The next frame is at `start`; the random state goes on.
+  void restart(double start);
+  const MotionCaptureConfig& config() const noexcept { return config_; }
+
+ private:
+  struct Camera;
+  MotionCaptureConfig config_;
+  std::mt19937_64 random_;
+  double next_exposure_ = 0.0;
+};
+
+}  // namespace raven_correction

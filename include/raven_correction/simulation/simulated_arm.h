@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One simulated arm: takes stamped commands, moves on to any instant, and says where the tool
+// really is and where the encoders believe it to be. Used offline and from a real-time loop alike;
+// sessions of many trajectories are session.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "raven_correction/geometry/stream.h"
+#include "raven_correction/robot/inverse_kinematics.h"
+#include "raven_correction/simulation/simulation_config.h"
+
+namespace raven_correction {
+
+/// Everything that the future of the arm depends on besides its configuration and its commands.
+/// Copy it to go back to it later.
+struct ArmState {
+  struct Setpoint {
+    double stamp;        ///< of the command [s]
+    JointVector joints;  ///< nominal inverse kinematics of its pose
+  };
+  double start = 0.0;    ///< of the session; creep and shifts count from here [s]
+  double time = 0.0;     ///< [s]
+  double jaw = 0.0;      ///< opening angle; a pose does not hold it, it is carried along [rad]
+  double payload = 0.0;  ///< mass held by the gripper [kg]
+  JointVector setpoint;  ///< what the drives aim at now
+  JointVector motor;     ///< motor side in joint units: what the encoders see
+  JointVector joint;     ///< joint side: where the links are
+  Setpoint active;       ///< the command whose delay has passed last
+  std::deque<Setpoint> pending;     ///< commands that do not act yet, oldest first
+  std::vector<JointVector> memory;  ///< one per effect
+};
+
+/// Deterministic. Every operator is exact for held set-points, so results do not depend on the
+/// internal step nor on how often one asks. Not thread-safe.
+class SimulatedArm {
+ public:
+  /// Starts at rest at the homing position.
+  explicit SimulatedArm(const SimulationConfig& config, double start = 0.0);
+
+  /// Forgets all commands and puts the arm at rest at these joints (nominal, set-point side).
+  void reset(double start, const JointVector& joints);
+  void reset(double start) { reset(start, config_.robot.home()); }
+  /// Puts the arm at rest where the nominal robot has its tool at this pose.
+  /// @return status of the inverse kinematics; nothing changes unless the pose was reproduced
+  IkStatus reset(double start, const Pose& X_base_tool);
+
+  /// Takes a command. It acts at its stamp plus the delay, and not before time(). A joint that the
+  /// pose would bring outside its limits stops at the limit, as the robot's controller does it.
+  /// A pose that cannot be reached, a stamp that runs backwards or is not finite: nothing changes.
+  /// @return kOk, kOutsideLimits or kSingular when taken
+  IkStatus command(const StampedPose& X_base_tool) noexcept;
+  /// Moves on to `time`; an earlier one than time() changes nothing. About 1 us per ms simulated.
+  void advanceTo(double time) noexcept;
+
+  double time() const noexcept { return state_.time; }
+  /// The tool as registered motion capture sees it, without noise: X_base_tool.
+  Pose toolPose() const noexcept;
+  /// Nominal forward kinematics of the encoders (measured_cp).
+  Pose measuredPose() const noexcept { return config_.robot.forward(state_.motor); }
+  /// Nominal forward kinematics of the present set-point (setpoint_cp).
+  Pose setpointPose() const noexcept { return config_.robot.forward(state_.setpoint); }
+  const JointVector& setpointJoints() const noexcept { return state_.setpoint; }
+  const JointVector& motorJoints() const noexcept { return state_.motor; }  ///< measured_js
+  const JointVector& joints() const noexcept { return state_.joint; }
+
+  double jaw() const noexcept { return state_.jaw; }
+  void setJaw(double angle) noexcept { state_.jaw = angle; }
+  void setPayload(double mass) noexcept { state_.payload = mass; }
+
+  const ArmState& state() const noexcept { return state_; }
+  void restore(const ArmState& state) { state_ = state; }
+  const SimulationConfig& config() const noexcept { return config_; }
+  /// Commands so far, by their IkStatus (index: the enumerator).
+  const std::array<std::uint64_t, 5>& commandCounts() const noexcept { return counts_; }
+
+ private:
+  void step(double duration) noexcept;
+  JointVector setpointAt(double time) noexcept;
+
+  SimulationConfig config_;
+  InverseKinematics ik_;
+  KinematicChain real_chain_;  // with all link errors
+  double delay_ = 0.0;
+  Pose X_base_robot_;
+  Pose X_tool_observed_;
+  ArmState state_;
+  JointVector command_joints_;  // seed of the next inverse kinematics
+  std::array<std::uint64_t, 5> counts_{};
+};
+
+}  // namespace raven_correction
