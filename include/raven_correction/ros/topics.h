@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Names of the topics, in one place. All relative, so that the caller's namespace is the arm; the
+// same names are the topics of a session's bag (doc/bags.md).
+#pragma once
+
+namespace raven_correction {
+namespace topics {
+
+constexpr char kCommand[] = "servo_cp";          ///< command to the native controller
+constexpr char kDesired[] = "desired/servo_cp";  ///< from the planner, before correction
+constexpr char kDesiredPath[] = "desired/path";  ///< PoseArray: the whole motion that follows
+constexpr char kMocap[] = "mocap/measured_cp";   ///< motion capture, not registered
+constexpr char kEncoder[] = "measured_cp";       ///< forward kinematics of the encoders
+constexpr char kSetpoint[] = "setpoint_cp";      ///< what the controller aims at
+constexpr char kJoints[] = "measured_js";        ///< joint positions from the encoders
+constexpr char kPairs[] = "pairs";               ///< synchronised, live
+constexpr char kTrajectoryEvent[] = "trajectory_event";        ///< start and end of trajectories
+constexpr char kModel[] = "correction/model";                  ///< latched
+constexpr char kStatus[] = "correction/status";                ///< one per desired pose
+constexpr char kOverlay[] = "overlay";                         ///< markers for rviz
+constexpr char kRecorderParameters[] = "recorder/parameters";  ///< in bags only
+constexpr char kTfStatic[] = "/tf_static";                     ///< registration
+
+}  // namespace topics
+}  // namespace raven_correction
