@@ -10,7 +10,7 @@ std::size_t featureCount(const MotionOptions& options) noexcept {
 void computeFeatures(const Motion& motion, const Pose& rigid,
                      const Eigen::Quaterniond& mean_orientation, std::size_t twists,
                      double* features) noexcept {
-  Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 1 + kMaxLags>> x(
+  Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 1 + kMaxTwists>> x(
       features, 6, static_cast<Eigen::Index>(1 + twists));
   const Pose after = rigid * motion.pose;
   x.col(0) << after.p, logRotation(mean_orientation.conjugate() * after.q);

@@ -11,10 +11,10 @@ namespace raven_correction {
 
 VelocityKind velocityFromName(const std::string& name) {
   for (const VelocityKind kind :
-       {VelocityKind::kNone, VelocityKind::kCentral, VelocityKind::kCausal})
+       {VelocityKind::kNone, VelocityKind::kCentral, VelocityKind::kCausal, VelocityKind::kPast})
     if (name == velocityName(kind)) return kind;
   throw InvalidInput(
-      format("velocity \"%s\" is not known; one of none, central, causal", name.c_str()));
+      format("velocity \"%s\" is not known; one of none, central, causal, past", name.c_str()));
 }
 
 const char* velocityName(VelocityKind kind) noexcept {
@@ -24,9 +24,11 @@ const char* velocityName(VelocityKind kind) noexcept {
     case VelocityKind::kCentral:
       return "central";
     case VelocityKind::kCausal:
+      return "causal";
+    case VelocityKind::kPast:
       break;
   }
-  return "causal";
+  return "past";
 }
 
 void checkMotionOptions(const MotionOptions& options) {
@@ -34,11 +36,18 @@ void checkMotionOptions(const MotionOptions& options) {
     throw InvalidInput(format("velocity window = %g s is outside (0, 10]", options.window));
   if (!(options.max_gap > 0.0) || options.max_gap > 10.0)
     throw InvalidInput(format("max_gap = %g s is outside (0, 10]", options.max_gap));
-  if (options.lags.size() > kMaxLags)
-    throw InvalidInput(format("%zu velocity lags, at most %zu", options.lags.size(), kMaxLags));
-  for (const double lag : options.lags)
-    if (!(lag >= 0.0) || lag > 10.0)
-      throw InvalidInput(format("velocity lag = %g s is outside [0, 10]", lag));
+  if (options.velocity != VelocityKind::kPast) return;
+  if (options.intervals.empty() || options.intervals.size() > kMaxTwists)
+    throw InvalidInput(
+        format("%zu velocity intervals; must be 1 to %zu", options.intervals.size(), kMaxTwists));
+  double before = 0.0;
+  for (const double begin : options.intervals) {
+    if (!(begin > before) || begin > 10.0)
+      throw InvalidInput(
+          format("velocity interval beginning %g s ago: must increase from above 0 to at most 10 s",
+                 begin));
+    before = begin;
+  }
 }
 
 std::size_t twistCount(const MotionOptions& options) noexcept {
@@ -46,20 +55,19 @@ std::size_t twistCount(const MotionOptions& options) noexcept {
     case VelocityKind::kNone:
       return 0;
     case VelocityKind::kCentral:
-      return 1;
     case VelocityKind::kCausal:
+      return 1;
+    case VelocityKind::kPast:
       break;
   }
-  return options.lags.size();
+  return options.intervals.size();
 }
 
 MotionEstimator::MotionEstimator(const MotionOptions& options)
     : options_(options), samples_(2 * kCapacity) {
   checkMotionOptions(options_);
-  if (options_.velocity == VelocityKind::kCentral) options_.lags = {0.0};
-  if (options_.velocity == VelocityKind::kNone) options_.lags.clear();
-  double reach = options_.window;
-  for (const double lag : options_.lags) reach = std::max(reach, lag + options_.window);
+  const double reach =
+      options_.velocity == VelocityKind::kPast ? options_.intervals.back() : options_.window;
   thinning_ = 2.0 * reach / static_cast<double>(kCapacity);
 }
 
@@ -93,12 +101,35 @@ MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) n
   motion_.pose = {pose.p, pose.q.normalized()};
   motion_.step = step;
   remember({stamp, motion_.pose});
-  for (std::size_t k = 0; k < options_.lags.size(); ++k) {
-    std::size_t count = count_;
-    while (count > 0 && samples_[count - 1].stamp > stamp - options_.lags[k]) --count;
-    motion_.twists[k] = count > 0 ? causalTwist(samples_.data(), count, options_.window) : Twist();
-  }
+  if (options_.velocity == VelocityKind::kPast)
+    pastTwists();
+  else if (options_.velocity != VelocityKind::kNone)
+    motion_.twists[0] = causalTwist(samples_.data(), count_, options_.window);
   return Outcome::kAccepted;
+}
+
+void MotionEstimator::pastTwists() noexcept {
+  const StampedPose& now = samples_[count_ - 1];
+  Eigen::Matrix<double, 6, 1> later = Eigen::Matrix<double, 6, 1>::Zero();
+  double end = 0.0;
+  std::size_t i = count_ - 1;  // the newest sample that is not after the instant
+  for (std::size_t k = 0; k < options_.intervals.size(); ++k) {
+    const double instant = now.stamp - options_.intervals[k];
+    while (i > 0 && samples_[i].stamp > instant) --i;
+    const StampedPose& before = samples_[i];
+    Eigen::Matrix<double, 6, 1> x;
+    x << before.pose.p - now.pose.p, logRotation(before.pose.q * now.pose.q.conjugate());
+    if (before.stamp < instant) {
+      const StampedPose& after = samples_[i + 1];
+      Eigen::Matrix<double, 6, 1> x_after;
+      x_after << after.pose.p - now.pose.p, logRotation(after.pose.q * now.pose.q.conjugate());
+      x += (instant - before.stamp) / (after.stamp - before.stamp) * (x_after - x);
+    }
+    const Eigen::Matrix<double, 6, 1> velocity = (later - x) / (options_.intervals[k] - end);
+    motion_.twists[k] = {velocity.head<3>(), velocity.tail<3>()};
+    later = x;
+    end = options_.intervals[k];
+  }
 }
 
 std::vector<Motion> motionsOf(const PoseStream& stream, const MotionOptions& options) {

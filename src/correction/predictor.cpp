@@ -10,7 +10,7 @@
 namespace raven_correction {
 
 struct Predictor::Workspace {
-  std::array<double, 6 * (1 + kMaxLags)> features{};
+  std::array<double, 6 * (1 + kMaxTwists)> features{};
   std::shared_ptr<GpPredictor::Workspace> process;
 };
 

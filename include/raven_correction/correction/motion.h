@@ -15,37 +15,44 @@ namespace raven_correction {
 
 enum class VelocityKind {
   kNone,     ///< pose only
-  kCentral,  ///< five-point stencil of the paper; looks ahead, so it exists offline only
-  kCausal,   ///< least-squares slope over the past
+  kCentral,  ///< one twist, the five-point stencil of the paper; looks ahead: offline only
+  kCausal,   ///< one twist, the least-squares slope over the past `window`
+  kPast,     ///< several twists, the mean velocities over successive intervals of the past
 };
-/// "none", "central", "causal".
+/// "none", "central", "causal", "past".
 /// @throws InvalidInput  for any other name
 VelocityKind velocityFromName(const std::string& name);
 const char* velocityName(VelocityKind kind) noexcept;
 
-constexpr std::size_t kMaxLags = 4;
+constexpr std::size_t kMaxTwists = 4;
 
 struct MotionOptions {
-  VelocityKind velocity = VelocityKind::kCausal;
-  double window = 0.1;            ///< duration of the causal slope, > 0 [s]
-  std::vector<double> lags{0.0};  ///< each twist ends this long before the sample, >= 0 [s]
-  double max_gap = 0.15;          ///< a longer interval starts a new motion [s]
+  VelocityKind velocity = VelocityKind::kPast;
+  double window = 0.1;  ///< kCausal: duration of the slope, > 0 [s]
+  /// kPast: how long before the sample each interval begins, increasing, > 0; the first interval
+  /// ends at the sample, every other where the one before it begins. [s]
+  std::vector<double> intervals{0.05, 0.15, 0.4};
+  double max_gap = 0.15;  ///< a longer time between samples starts a new motion [s]
 };
-/// @throws InvalidInput  an option is out of its range, or there are more than kMaxLags lags
+/// @throws InvalidInput  an option is out of its range, or there are more than kMaxTwists intervals
 void checkMotionOptions(const MotionOptions& options);
-/// Number of twists in a Motion: lags of the causal kind, one of the central, none otherwise.
+/// Number of twists in a Motion: intervals for kPast, none for kNone, otherwise one.
 std::size_t twistCount(const MotionOptions& options) noexcept;
 
 /// Pose and twists at one instant, in one frame.
 struct Motion {
   Pose pose;
-  std::array<Twist, kMaxLags> twists;  ///< the first twistCount() are set
-  double step = 0.0;                   ///< since the sample before [s]; 0 for the first of a motion
+  std::array<Twist, kMaxTwists> twists;  ///< the first twistCount() are set
+  double step = 0.0;  ///< since the sample before [s]; 0 for the first of a motion
 };
 
-/// Follows a stream of poses sample by sample, with bounded memory and without allocation. Twist k
-/// is causalTwist() of the samples up to `lag_k` ago; where the motion is younger than that, zero.
-/// Central velocity has no live form: it is computed as causal.
+/// Follows a stream of poses sample by sample, with bounded memory and without allocation.
+///
+///   kCausal  causalTwist() of differentiation.h
+///   kPast    twist k = (x(t - a) - x(t - b)) / (b - a) over [t - b, t - a], interval k: x is the
+///            position, or the rotation vector relative to the present orientation, interpolated
+///            between samples; before its first sample a motion was at rest
+///   kCentral has no live form: it is answered as kCausal
 class MotionEstimator {
  public:
   explicit MotionEstimator(const MotionOptions& options);
@@ -65,6 +72,7 @@ class MotionEstimator {
 
  private:
   void remember(const StampedPose& sample) noexcept;
+  void pastTwists() noexcept;
 
   static constexpr std::size_t kCapacity = 1024;  ///< samples remembered
   MotionOptions options_;
