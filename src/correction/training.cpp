@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/correction/training.h"
+
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <set>
+
+#include "raven_correction/error.h"
+#include "raven_correction/geometry/rigid_fit.h"
+
+namespace raven_correction {
+namespace {
+
+/// FNV-1a, 64 bit, over the bytes of numbers. Source: draft-eastlake-fnv-17.
+class Hash {
+ public:
+  void add(const double* values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      unsigned char bytes[sizeof(double)];
+      std::memcpy(bytes, &values[i], sizeof(double));
+      for (const unsigned char byte : bytes) state_ = (state_ ^ byte) * 0x100000001b3ULL;
+    }
+  }
+  void add(const Pose& pose) {
+    add(pose.p.data(), 3);
+    add(pose.q.coeffs().data(), 4);
+  }
+  std::string text() const { return format("%016llx", static_cast<unsigned long long>(state_)); }
+
+ private:
+  std::uint64_t state_ = 0xcbf29ce484222325ULL;
+};
+
+std::string makeId(double now, const std::string& hash) {
+  const auto seconds = static_cast<std::time_t>(now);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y%m%dT%H%M%SZ", &utc);
+  return std::string(text) + "-" + hash.substr(hash.size() - 6);
+}
+
+double resolveDelay(const Dataset& dataset, const TrainingConfig& config, DelayResult& estimate) {
+  if (!config.estimate_delay) return config.fixed_delay;
+  DelayProblem problem;
+  problem.max = config.delay_max;
+  SynchronisationOptions gaps;
+  gaps.max_gap = config.max_gap;
+  gaps.max_gap_periods = config.max_gap_periods;
+  problem.max_gap = commandGapLimit(dataset, gaps);
+  if (!(problem.max_gap > 0.0)) return 0.0;  // synchronise() will say what is missing
+  estimate = estimateDelay(dataset, problem);
+  return estimate.delay;
+}
+
+}  // namespace
+
+std::string describe(const FateCounts& fates) {
+  std::string text = format("%zu kept", fates[Fate::kKept]);
+  std::string rejected;
+  for (std::size_t i = 1; i < fates.count.size(); ++i)
+    if (fates.count[i] > 0)
+      rejected += format("%s%zu %s", rejected.empty() ? "" : ", ", fates.count[i],
+                         fateName(static_cast<Fate>(i)));
+  return rejected.empty() ? text : text + "; rejected: " + rejected;
+}
+
+Dataset selectFold(const Dataset& dataset, const HoldOut& hold_out, bool tests) {
+  Dataset selected = dataset;
+  selected.trajectories.clear();
+  for (std::size_t i = 0; i < dataset.trajectories.size(); ++i)
+    if (hold_out.tests(i) == tests) selected.trajectories.push_back(dataset.trajectories[i]);
+  return selected;
+}
+
+TrainingPairs makePairs(const Dataset& dataset, const TrainingConfig& config, double delay) {
+  SynchronisationOptions options;
+  options.delay = delay;
+  options.max_gap = config.max_gap;
+  options.max_gap_periods = config.max_gap_periods;
+  const std::vector<SynchronisedTrajectory> trajectories = synchronise(dataset, options);
+  TrainingPairs pairs;
+  MotionOptions speed_options;  // of the speed limits: the same whatever the features are
+  speed_options.velocity = VelocityKind::kCausal;
+  speed_options.max_gap = config.motion.max_gap;
+  for (std::size_t k = 0; k < trajectories.size(); ++k) {
+    const SynchronisedTrajectory& trajectory = trajectories[k];
+    const std::vector<Motion> motions = motionsOf(trajectory.observations.samples, config.motion);
+    const std::vector<Motion> speeds = motionsOf(trajectory.observations.samples, speed_options);
+    for (const CommandPair& pair : trajectory.pairs) {
+      pairs.samples.push_back({k, trajectory.observations.samples[pair.sample].pose, pair.command,
+                               speeds[pair.sample].twists[0], speeds[pair.sample].step});
+      pairs.motions.push_back(motions[pair.sample]);
+    }
+    pairs.fates += trajectory.fates;
+    pairs.identity_commands += trajectory.identity_commands;
+  }
+  return pairs;
+}
+
+TrainingResult train(const Dataset& dataset, const TrainingConfig& config, double now,
+                     const Progress& progress) {
+  const auto report = [&](const char* phase, double fraction) {
+    if (progress) progress(phase, fraction);
+  };
+  TrainingResult result;
+  CorrectionModel& model = result.model;
+  report("synchronising", 0.0);
+  model.delay = resolveDelay(dataset, config, result.delay);
+  const TrainingPairs pairs = makePairs(dataset, config, model.delay);
+  result.fates = pairs.fates;
+  result.identity_commands = pairs.identity_commands;
+
+  report("cleaning", 0.1);
+  std::vector<Fate> fates(pairs.samples.size(), Fate::kKept);
+  if (config.cleaning_enabled) {
+    const CleaningResult cleaned = clean(pairs.samples, config.cleaning);
+    fates = cleaned.fates;
+    result.least_median_scale = cleaned.least_median_scale;
+    result.fates[Fate::kKept] = 0;
+    result.fates += cleaned.counts;
+  }
+
+  RigidFitProblem rigid;
+  rigid.rotation_length = config.rotation_length;
+  std::vector<std::size_t> kept;
+  std::set<std::size_t> trajectories;
+  Hash hash;
+  for (std::size_t i = 0; i < fates.size(); ++i) {
+    if (fates[i] != Fate::kKept) continue;
+    kept.push_back(i);
+    trajectories.insert(pairs.samples[i].trajectory);
+    rigid.from.push_back(pairs.samples[i].observation);
+    rigid.to.push_back(pairs.samples[i].command);
+    hash.add(pairs.samples[i].observation);
+    hash.add(pairs.samples[i].command);
+  }
+  if (kept.empty())
+    throw InvalidInput(format(
+        "%s: nothing left to learn from: of %zu observations in %zu trajectories %s, and %zu "
+        "identity commands were removed; check that commands and observations overlap in time, "
+        "that both are in the frame \"%s\" and in metres, and the limits under `cleaning`",
+        dataset.source.c_str(), result.fates.total(), dataset.trajectories.size(),
+        describe(result.fates).c_str(), result.identity_commands, dataset.frame.c_str()));
+  const RigidFitResult fit = fitRigid(rigid);
+  model.rigid = fit.X_b_a;
+  result.rigid_rms_position = fit.rms_position;
+  result.rigid_rms_angle = fit.rms_angle;
+
+  std::vector<Eigen::Quaterniond> orientations;
+  model.trust.workspace_min = model.trust.workspace_max = rigid.from.front().p;
+  for (const Pose& pose : rigid.from) {
+    orientations.push_back(model.rigid.q * pose.q);
+    model.trust.workspace_min = model.trust.workspace_min.cwiseMin(pose.p);
+    model.trust.workspace_max = model.trust.workspace_max.cwiseMax(pose.p);
+  }
+  model.mean_orientation = meanRotation(orientations);
+  model.trust.workspace_margin = config.workspace_margin;
+  model.trust.fade_start = config.fade_start;
+  model.trust.fade_end = config.fade_end;
+  model.motion = config.motion;
+
+  if (config.process_enabled) {
+    report("fitting", 0.2);
+    const auto features = static_cast<Eigen::Index>(featureCount(config.motion));
+    Eigen::MatrixXd x(static_cast<Eigen::Index>(kept.size()), features);
+    Eigen::MatrixXd y(static_cast<Eigen::Index>(kept.size()), 6);
+    Eigen::VectorXd row(features);
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const auto r = static_cast<Eigen::Index>(k);
+      computeFeatures(pairs.motions[kept[k]], model.rigid, model.mean_orientation,
+                      twistCount(config.motion), row.data());
+      x.row(r) = row.transpose();
+      y.row(r) = correctionBetween(model.rigid * rigid.from[k], rigid.to[k]).transpose();
+    }
+    GpFit process = fitGp(x, y, config.process);
+    model.process = std::move(process.model);
+    result.process = std::move(process.report);
+  }
+  report("fitting", 1.0);
+
+  model.version = RAVEN_CORRECTION_VERSION;
+  model.trained_at = now;
+  model.frame = dataset.frame;
+  model.arm = dataset.arm;
+  model.inputs = {dataset.source};
+  model.input_hash = hash.text();
+  model.id = makeId(now, model.input_hash);
+  model.configuration = config.text;
+  model.training_pairs = kept.size();
+  model.training_trajectories = trajectories.size();
+  return result;
+}
+
+}  // namespace raven_correction
