@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "raven_correction/robot/kinematic_chain.h"
+#include "raven_correction/robot/remote_centre_arm.h"
 
 namespace raven_correction {
 
@@ -41,9 +42,6 @@ struct IkResult {
 class InverseKinematics {
  public:
   explicit InverseKinematics(const KinematicChain& chain, const IkOptions& options = {});
-  ~InverseKinematics();
-  InverseKinematics(const InverseKinematics&);
-  InverseKinematics& operator=(const InverseKinematics&);
 
   /// The solution nearest to `seed`: inside the limits if there is one, else outside. Revolute
   /// joints are taken modulo 2 pi at the turn nearest to the seed, as far as the limits allow.
@@ -54,10 +52,16 @@ class InverseKinematics {
   bool isClosedForm() const noexcept { return closed_form_ != nullptr; }
 
  private:
-  struct ClosedForm;
+  void nearestTurn(const JointVector& seed, JointVector& q) const noexcept;
+  double distance(const JointVector& a, const JointVector& b) const noexcept;
+  bool nearestCandidate(const Pose& X_base_tool, const JointVector& seed,
+                        JointVector& q) const noexcept;
+  bool iterate(const Pose& X_base_tool, JointVector& q) const noexcept;
+  bool search(const Pose& X_base_tool, const JointVector& seed, JointVector& q) const noexcept;
+
   KinematicChain chain_;
   IkOptions options_;
-  std::shared_ptr<const ClosedForm> closed_form_;  // null: the chain does not have that form
+  std::shared_ptr<const RemoteCentreArm> closed_form_;  // null: the chain does not have that form
 };
 
 }  // namespace raven_correction

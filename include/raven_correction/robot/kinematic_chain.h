@@ -62,6 +62,9 @@ class KinematicChain {
   const std::vector<Joint>& joints() const noexcept { return joints_; }
   const Pose& baseTransform() const noexcept { return X_base_0_; }
   const Pose& toolTransform() const noexcept { return X_n_tool_; }
+  /// Acceleration of gravity in `base` [m/s^2]; zero unless it was set.
+  const Eigen::Vector3d& gravity() const noexcept { return gravity_; }
+  void setGravity(const Eigen::Vector3d& gravity) noexcept { gravity_ = gravity; }
   std::vector<std::string> jointNames() const;
   /// Row of the joint with this name, or -1.
   int find(const std::string& joint_name) const noexcept;
@@ -92,6 +95,7 @@ class KinematicChain {
   std::string frame_;
   Pose X_base_0_;
   Pose X_n_tool_;
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   std::vector<Joint> joints_;
   std::vector<Row> rows_;
   JointVector home_;
