@@ -152,23 +152,32 @@ void YamlReader::choice(const std::string& key, int& value,
     value = static_cast<int>(found - allowed.begin());
 }
 
-void YamlReader::numbers(const std::string& key, Eigen::Ref<Eigen::VectorXd> value, double lower,
-                         double upper) {
+void YamlReader::numberList(const std::string& key, std::vector<double>& value, double lower,
+                            double upper) {
   know(key);
   if (!has(key)) return;
   const YAML::Node sequence = node_->yaml[key];
-  if (!sequence.IsSequence() || static_cast<Eigen::Index>(sequence.size()) != value.size()) {
-    problem(key, format("must be a list of %d numbers", static_cast<int>(value.size())));
+  if (!sequence.IsSequence()) {
+    problem(key, "must be a list of numbers");
     return;
   }
-  Eigen::VectorXd read = value;
+  std::vector<double> read(sequence.size());
   bool good = true;
-  for (Eigen::Index i = 0; i < read.size(); ++i) {
-    const Node element{sequence[static_cast<std::size_t>(i)]};
-    const std::string place = key + format("[%d]", static_cast<int>(i));
-    good = finiteNumber(element, place, lower, upper, read(i)) && good;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const std::string place = key + format("[%zu]", i);
+    good = finiteNumber(Node{sequence[i]}, place, lower, upper, read[i]) && good;
   }
   if (good) value = read;
+}
+
+void YamlReader::numbers(const std::string& key, Eigen::Ref<Eigen::VectorXd> value, double lower,
+                         double upper) {
+  std::vector<double> read(value.data(), value.data() + value.size());
+  numberList(key, read, lower, upper);
+  if (static_cast<Eigen::Index>(read.size()) != value.size())
+    problem(key, format("must be a list of %d numbers", static_cast<int>(value.size())));
+  else
+    value = Eigen::Map<const Eigen::VectorXd>(read.data(), value.size());
 }
 
 void YamlReader::requiredMatrix(const std::string& key, Eigen::Matrix4d& value) {

@@ -38,6 +38,10 @@ class YamlReader {
   void numbers(const std::string& key, Eigen::Ref<Eigen::VectorXd> value,
                double lower = -std::numeric_limits<double>::max(),
                double upper = std::numeric_limits<double>::max());
+  /// A list of any number of finite numbers in [lower, upper].
+  void numberList(const std::string& key, std::vector<double>& value,
+                  double lower = -std::numeric_limits<double>::max(),
+                  double upper = std::numeric_limits<double>::max());
   /// Four rows of four numbers; the last is 0 0 0 1.
   void requiredMatrix(const std::string& key, Eigen::Matrix4d& value);
   /// The mapping under this key; an empty one, and a problem, if it is something else.
