@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "raven_correction/regression/kernel.h"
+#include "raven_correction/regression/mean_function.h"
 
 namespace raven_correction {
 
-enum class MeanType { kZero, kConstant, kLinear };
 enum class GpBackend { kExact, kSparse };
 
 struct GpConfig {
@@ -25,17 +25,19 @@ struct GpConfig {
   /// common, the signal variance is each output's own. Every output in exactly one group; empty:
   /// each output is its own group.
   std::vector<std::vector<int>> groups;
-  int max_hyper_points = 1000;  ///< rows that the hyper-parameters are learnt on, chosen by seed
-  int max_exact_points = 4000;  ///< kExact: rows of the posterior, chosen by seed
-  int inducing_points = 400;    ///< kSparse: size of the inducing set of each group
-  int restarts = 1;             ///< starts of the hyper-parameter search
+  int max_hyper_points = 1000;    ///< rows that the hyper-parameters are learnt on, chosen by seed
+  int max_exact_points = 4000;    ///< kExact: rows of the posterior, chosen by seed
+  int inducing_points = 400;      ///< kSparse: size of the inducing set of each group
+  int restarts = 1;               ///< starts of the hyper-parameter search
+  double log_length_prior = 0.0;  ///< see HyperParameterProblem; 0: no prior
   std::uint64_t seed = 1;
 };
 
 /// One group of outputs after learning.
-///   mean_k(x)     = B_k [1 x'] + sum_i c(x, z_i) alpha(i, k)
-///   variance_k(x) = s_k^2 (1 - || U c ||^2 + || W c ||^2), c_i = c(x, z_i); of the latent function
-/// Exact: z are the training rows and W is empty. Observations add noise_variance(k).
+///   mean_k(x)     = [1 x'] B_k + sum_i c(x, z_i) alpha(i, k)
+///   variance_k(x) = s_k^2 (1 - || T c ||^2), c_i = c(x, z_i); of the latent function
+/// Exact: z are the training rows and T is the inverse Cholesky factor of their correlation plus
+/// noise ratio. Sparse: z are inducing points (posterior.h). Observations add noise_variance(k).
 struct GpGroup {
   std::vector<int> outputs;  ///< indices into the q outputs
   KernelType kernel = KernelType::kMatern32;
@@ -45,8 +47,7 @@ struct GpGroup {
   Eigen::MatrixXd points;           ///< d x m: z, training rows or inducing points
   Eigen::MatrixXd weights;          ///< m x outputs: alpha
   Eigen::MatrixXd mean_weights;     ///< (1 + d) x outputs: B; zero where the mean is zero
-  Eigen::MatrixXd variance_down;    ///< m x m lower triangular: U, inverse Cholesky factor
-  Eigen::MatrixXd variance_up;      ///< m x m lower triangular: W; empty (0 x 0) when exact
+  Eigen::MatrixXd variance_factor;  ///< m x m lower triangular: T
 };
 
 struct GpModel {

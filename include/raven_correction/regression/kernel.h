@@ -16,6 +16,13 @@ enum class KernelType {
   kMatern52,            ///< (1 + sqrt(5) r + 5 r^2 / 3) exp(-sqrt(5) r)
 };
 
+/// c(r) for one distance r >= 0 [-]. The reference that the vectorised code is tested against.
+double correlation(KernelType type, double r) noexcept;
+
+/// g(r) = -c'(r) / r, finite at r = 0 [-]. With it the derivative by one log length scale is
+///   d c / d log l_j = g(r) (a_j - b_j)^2 / l_j^2
+double correlationSlope(KernelType type, double r) noexcept;
+
 /// "squared_exponential", "matern32", "matern52".
 /// @throws InvalidInput  for any other name; the text lists these
 KernelType kernelFromName(const std::string& name);

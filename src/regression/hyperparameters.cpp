@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The search for hyper-parameters: normalisation, starts, L-BFGS-B, and back to the user's units.
+#include "raven_correction/regression/hyperparameters.h"
+
+#include <LBFGSB.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "raven_correction/error.h"
+#include "raven_correction/regression/marginal_likelihood.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr double kMinLength = 1e-2;  // in standard deviations of the feature
+constexpr double kMaxLength = 1e4;
+constexpr double kMinNoiseRatio = 1e-8;
+constexpr double kMaxNoiseRatio = 1e3;
+constexpr Eigen::Index kStartRows = 256;
+
+// Features centred and in units of their spread; targets in units of their root mean square.
+struct Normalised {
+  std::vector<Eigen::Index> active;  // features that vary
+  Eigen::VectorXd centre;            // d
+  Eigen::VectorXd unit;              // d, > 0
+  Eigen::VectorXd target_unit;       // q, > 0
+  Eigen::MatrixXd points;            // active x n
+  Eigen::MatrixXd targets;           // n x q
+};
+
+Normalised normalise(const HyperParameterProblem& problem) {
+  const Eigen::Index d = problem.points.rows();
+  const Eigen::Index n = problem.points.cols();
+  Normalised result;
+  result.centre = problem.points.rowwise().mean();
+  const Eigen::VectorXd deviation =
+      ((problem.points.colwise() - result.centre).rowwise().squaredNorm() / double(n)).cwiseSqrt();
+  result.unit.resize(d);
+  for (Eigen::Index j = 0; j < d; ++j) {
+    const double size = problem.points.row(j).cwiseAbs().maxCoeff();
+    if (deviation(j) > 1e-12 * size) {
+      result.active.push_back(j);
+      result.unit(j) = deviation(j);
+    } else {
+      result.unit(j) = std::max(1.0, size);
+    }
+  }
+  if (!problem.ard && !result.active.empty()) {
+    const double common = std::sqrt(deviation.squaredNorm() / double(result.active.size()));
+    result.unit.setConstant(common);
+  }
+  result.points.resize(Eigen::Index(result.active.size()), n);
+  for (std::size_t a = 0; a < result.active.size(); ++a) {
+    const Eigen::Index j = result.active[a];
+    result.points.row(Eigen::Index(a)) =
+        (problem.points.row(j).array() - result.centre(j)) / result.unit(j);
+  }
+  result.target_unit =
+      (problem.targets.colwise().squaredNorm().transpose() / double(n)).cwiseSqrt();
+  for (double& unit : result.target_unit)
+    if (!(unit > 0.0)) unit = 1.0;
+  result.targets = problem.targets * result.target_unit.cwiseInverse().asDiagonal();
+  return result;
+}
+
+// Negative log posterior per target value, remembering the best point it has seen.
+class Objective {
+ public:
+  Objective(MarginalLikelihood& likelihood, double scale, double prior_deviation,
+            Eigen::VectorXd prior_centre)
+      : likelihood_(likelihood),
+        scale_(scale),
+        prior_deviation_(prior_deviation),
+        prior_centre_(std::move(prior_centre)) {}
+
+  double operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+    ++evaluations;
+    double value = likelihood_.evaluate(x, &gradient);
+    if (!std::isfinite(value)) {  // a line search shortens its step on a large value
+      gradient.setZero(x.size());
+      return 1e10;
+    }
+    if (prior_deviation_ > 0.0) {
+      const Eigen::Index lengths = x.size() - 1;
+      const Eigen::VectorXd z = (x - prior_centre_).head(lengths) / prior_deviation_;
+      value -= 0.5 * z.squaredNorm();
+      gradient.head(lengths) -= z / prior_deviation_;
+    }
+    gradient *= -scale_;
+    value *= -scale_;
+    if (value < best_value) {
+      best_value = value;
+      best = x;
+    }
+    return value;
+  }
+
+  double best_value = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd best;
+  int evaluations = 0;
+
+ private:
+  MarginalLikelihood& likelihood_;
+  double scale_;
+  double prior_deviation_;
+  Eigen::VectorXd prior_centre_;
+};
+
+Eigen::VectorXd startOf(const HyperParameterProblem& problem, const Normalised& data,
+                        int& evaluations) {
+  const Eigen::Index rows = std::min(kStartRows, data.points.cols());
+  // Evenly spaced rows: representative for time series and random orders alike.
+  Eigen::MatrixXd points(data.points.rows(), rows);
+  Eigen::MatrixXd targets(rows, data.targets.cols());
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const Eigen::Index from = i * data.points.cols() / rows;
+    points.col(i) = data.points.col(from);
+    targets.row(i) = data.targets.row(from);
+  }
+  MarginalLikelihood likelihood(problem.kernel, problem.mean, problem.ard, points, targets);
+  const double typical = std::sqrt(double(std::max<Eigen::Index>(1, points.rows())));
+  Eigen::VectorXd start(likelihood.parameters());
+  Eigen::VectorXd best;
+  double best_value = -std::numeric_limits<double>::infinity();
+  for (const double factor : {0.5, 1.0, 2.0, 4.0}) {
+    for (const double noise_ratio : {1e-4, 1e-2, 1.0}) {
+      start.setConstant(std::log(factor * typical));
+      start(start.size() - 1) = std::log(noise_ratio);
+      const double value = likelihood.evaluate(start, nullptr);
+      ++evaluations;
+      if (best.size() == 0 || value > best_value) {
+        best_value = value;
+        best = start;
+      }
+    }
+  }
+  return best;
+}
+
+struct SearchEnd {
+  bool converged = false;
+  std::string message;
+  int iterations = 0;
+};
+
+SearchEnd search(Objective& objective, Eigen::VectorXd x, const Eigen::VectorXd& lower,
+                 const Eigen::VectorXd& upper, int max_iterations) {
+  LBFGSpp::LBFGSBParam<double> param;
+  param.m = 20;
+  param.epsilon = 1e-6;
+  param.epsilon_rel = 0.0;
+  param.past = 4;
+  param.delta = 2e-7;
+  param.max_linesearch = 30;
+  SearchEnd end;
+  double previous = std::numeric_limits<double>::infinity();
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    param.max_iterations = std::max(1, max_iterations - end.iterations);
+    try {
+      LBFGSpp::LBFGSBSolver<double> solver(param);
+      double value = 0.0;
+      const int iterations = solver.minimize(objective, x, value, lower, upper);
+      end.iterations += iterations;
+      end.converged = iterations < param.max_iterations;
+      end.message = end.converged
+                        ? "converged"
+                        : format("stopped after %d iterations, the limit", end.iterations);
+      return end;
+    } catch (const std::exception& error) {
+      // The line search found no better point: numerically at the optimum, or a bad curvature
+      // model. A fresh start from the best point tells which.
+      end.message = std::string("line search ended: ") + error.what();
+      if (objective.best.size() == 0) return end;
+      end.converged = previous - objective.best_value < 1e-6;
+      if (end.converged) return end;
+      previous = objective.best_value;
+      x = objective.best;
+    }
+  }
+  return end;
+}
+
+}  // namespace
+
+HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) {
+  const Eigen::Index d = problem.points.rows();
+  const Eigen::Index n = problem.points.cols();
+  const Eigen::Index q = problem.targets.cols();
+  const Normalised data = normalise(problem);
+  MarginalLikelihood likelihood(problem.kernel, problem.mean, problem.ard, data.points,
+                                data.targets);
+  HyperParameterResult result;
+  const Eigen::VectorXd start = startOf(problem, data, result.evaluations);
+  const Eigen::Index parameters = start.size();
+  Eigen::VectorXd best = start;
+
+  if (n < 3 || data.active.empty()) {
+    result.message = format("%td rows, %zu features that vary: nothing to learn from, start kept",
+                            n, data.active.size());
+  } else {
+    Eigen::VectorXd lower = Eigen::VectorXd::Constant(parameters, std::log(kMinLength));
+    Eigen::VectorXd upper = Eigen::VectorXd::Constant(parameters, std::log(kMaxLength));
+    lower(parameters - 1) = std::log(kMinNoiseRatio);
+    upper(parameters - 1) = std::log(kMaxNoiseRatio);
+    std::mt19937_64 engine(problem.seed);
+    std::normal_distribution<double> normal;
+    double best_value = std::numeric_limits<double>::infinity();
+    for (int restart = 0; restart < std::max(1, problem.restarts); ++restart) {
+      Eigen::VectorXd x = start;
+      if (restart > 0)
+        for (double& value : x) value += normal(engine);
+      x = x.cwiseMax(lower).cwiseMin(upper);
+      Objective objective(likelihood, 1.0 / double(n * q), problem.log_length_prior, start);
+      const SearchEnd end = search(objective, x, lower, upper, problem.max_iterations);
+      result.evaluations += objective.evaluations;
+      if (objective.best.size() > 0 && objective.best_value < best_value) {
+        best_value = objective.best_value;
+        best = objective.best;
+        result.converged = end.converged;
+        result.message = end.message;
+        result.iterations = end.iterations;
+      }
+    }
+  }
+
+  result.log_marginal_likelihood =
+      likelihood.evaluate(best, nullptr) - double(n) * data.target_unit.array().log().sum();
+  result.jitter = std::max(0.0, likelihood.jitter());
+  result.length_scales = 1e3 * data.unit;  // of features that are constant: they hardly matter
+  for (std::size_t a = 0; a < data.active.size(); ++a) {
+    const Eigen::Index j = data.active[a];
+    result.length_scales(j) = data.unit(j) * std::exp(best(problem.ard ? Eigen::Index(a) : 0));
+  }
+  const double noise_ratio = std::exp(best(parameters - 1));
+  result.signal_variance = likelihood.signalVariance().cwiseProduct(data.target_unit.cwiseAbs2());
+  result.noise_variance = noise_ratio * result.signal_variance;
+  result.mean_weights.setZero(1 + d, q);
+  const Eigen::MatrixXd& weights = likelihood.meanWeights();  // on normalised features
+  if (weights.rows() > 0) result.mean_weights.row(0) = weights.row(0);
+  for (Eigen::Index a = 0; a + 1 < weights.rows(); ++a) {
+    const Eigen::Index j = data.active[std::size_t(a)];
+    result.mean_weights.row(1 + j) = weights.row(1 + a) / data.unit(j);
+    result.mean_weights.row(0) -= result.mean_weights.row(1 + j) * data.centre(j);
+  }
+  result.mean_weights *= data.target_unit.asDiagonal();
+  return result;
+}
+
+}  // namespace raven_correction
