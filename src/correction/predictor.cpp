@@ -41,7 +41,7 @@ double distanceToBox(const Eigen::Vector3d& p, const TrustRegion& trust) noexcep
   return (p - nearest).norm();
 }
 
-void checkModel(const CorrectionModel& model) {
+void checkModel(const Correction& model) {
   const TrustRegion& trust = model.trust;
   if (!isFinite(model.rigid) || !hasUnitQuaternion(model.rigid))
     throw InvalidInput("model: the rigid transform is not a finite pose with a unit quaternion");
@@ -70,7 +70,7 @@ void checkModel(const CorrectionModel& model) {
 
 }  // namespace
 
-Predictor::Predictor(CorrectionModel model) : model_(std::move(model)) {
+Predictor::Predictor(Correction model) : model_(std::move(model)) {
   checkModel(model_);
   model_.rigid.q.normalize();
   model_.mean_orientation.normalize();

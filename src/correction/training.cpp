@@ -105,7 +105,7 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
     if (progress) progress(phase, fraction);
   };
   TrainingResult result;
-  CorrectionModel& model = result.model;
+  Correction& model = result.model;
   report("synchronising", 0.0);
   model.delay = resolveDelay(dataset, config, result.delay);
   const TrainingPairs pairs = makePairs(dataset, config, model.delay);

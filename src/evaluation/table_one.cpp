@@ -72,7 +72,7 @@ std::vector<Rows> rowsOf(const Split& split, const std::function<void(double)>& 
     if (!none) last = train(split.training, config, 0.0);
     const std::vector<TestState> states =
         makeTestStates(split.test, config.motion, rigid.model.delay, max_gap, split.gates);
-    const Predictor predictor(none ? CorrectionModel(rigid.model) : last.model);
+    const Predictor predictor(none ? Correction(rigid.model) : last.model);
     const PredictionKind kind = none                        ? PredictionKind::kNone
                                 : method < Method::kRigidGp ? PredictionKind::kRigid
                                                             : PredictionKind::kFull;

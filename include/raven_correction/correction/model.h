@@ -28,7 +28,7 @@ struct TrustRegion {
 /// Conventions (design, section 5): a desired pose x = (p, R) goes to x_G = G x = (p_G, R_G); the
 /// process learns y = (dp, r) with command position p_G + dp (base frame) and orientation
 /// R_G exp(r) (frame of the tool after the rigid step).
-struct CorrectionModel {
+struct Correction {
   std::string id;                   ///< unique name
   std::string version;              ///< of the package that trained it
   double trained_at = 0.0;          ///< Unix time [s]

@@ -33,9 +33,9 @@ class Predictor {
  public:
   /// @throws InvalidInput  the model does not fit together: sizes, a value that is not finite, a
   ///         quaternion that is not of unit length, a trust region without extent
-  explicit Predictor(CorrectionModel model);
+  explicit Predictor(Correction model);
 
-  const CorrectionModel& model() const noexcept { return model_; }
+  const Correction& model() const noexcept { return model_; }
 
   /// Memory of one caller, made once per thread.
   struct Workspace;
@@ -50,7 +50,7 @@ class Predictor {
   Prediction predict(const Motion& motion, Workspace& workspace) const noexcept;
 
  private:
-  CorrectionModel model_;
+  Correction model_;
   std::unique_ptr<const GpPredictor> process_;  ///< null where the model is rigid only
 };
 

@@ -30,7 +30,7 @@ struct TrainingPairs {
 TrainingPairs makePairs(const Dataset& dataset, const TrainingConfig& config, double delay);
 
 struct TrainingResult {
-  CorrectionModel model;
+  Correction model;
   DelayResult delay;  ///< kNotRun where the delay was fixed
   FateCounts fates;   ///< of every observation sample: synchronisation and cleaning
   std::size_t identity_commands = 0;
