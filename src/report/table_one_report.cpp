@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/report/table_one_report.h"
 
-#include <nlohmann/json.hpp>
-
 #include "raven_correction/error.h"
+#include "report_json.h"
 
 namespace raven_correction {
 namespace {
-
-constexpr double kDegree = 180.0 / 3.14159265358979323846;
-constexpr double kMillimetre = 1e3;
-
-const char* const kVariables[6] = {"tx", "ty", "tz", "yaw", "pitch", "roll"};
-double unitOf(int variable) { return variable < 3 ? kMillimetre : kDegree; }
-const char* unitName(int variable) { return variable < 3 ? "mm" : "deg"; }
 
 constexpr Method kMethods[6] = {
     Method::kNone,    Method::kRigid,           Method::kRigidClean,
@@ -144,22 +136,15 @@ std::string tableOneText(const TableOneResult& result) {
 }
 
 std::string tableOneJson(const TableOneResult& result) {
-  using Json = nlohmann::ordered_json;
   Json rows = Json::array();
-  const auto components = [](const Eigen::Matrix<double, 6, 1>& values) {
-    Json json;
-    for (int v = 0; v < 6; ++v)
-      json[std::string(kVariables[v]) + "_" + unitName(v)] = unitOf(v) * values(v);
-    return json;
-  };
   for (const TableOneRow& row : result.rows) {
     Json json;
     json["configuration"] = row.configuration;
     json["method"] = methodName(row.method);
     json["test_set"] = row.clean ? "clean" : "dirty";
     json["fold"] = foldName(row.fold);
-    json["mean_abs"] = components(row.errors.mean_abs);
-    json["std"] = components(row.errors.std);
+    json["mean_abs"] = componentsJson(row.errors.mean_abs);
+    json["std"] = componentsJson(row.errors.std);
     json["position_norm_mm"] = kMillimetre * row.errors.position_norm;
     json["angle_norm_deg"] = kDegree * row.errors.angle_norm;
     json["position_median_mm"] = kMillimetre * row.errors.position_median;
@@ -170,16 +155,10 @@ std::string tableOneJson(const TableOneResult& result) {
     json["n_train"] = row.n_train;
     rows.push_back(json);
   }
-  Json rejected = Json::object();
-  for (std::size_t i = 1; i < result.fates.count.size(); ++i)
-    if (result.fates.count[i] > 0) rejected[fateName(static_cast<Fate>(i))] = result.fates.count[i];
   Json json;
   json["rows"] = rows;
   json["delay_s"] = result.delay;
-  json["cleaning"] = {{"total", result.fates.total()},
-                      {"kept", result.fates[Fate::kKept]},
-                      {"rejected", rejected},
-                      {"identity_commands", result.identity_commands}};
+  json["cleaning"] = cleaningJson(result.fates, result.identity_commands);
   return json.dump(1) + "\n";
 }
 

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The offline command line: the same library without a ROS master. One file per command; this
+// header is what they share.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <string>
+
+namespace raven_correction {
+
+/// Each adds one subcommand with its options and its action to the program.
+void addImportExportCommands(CLI::App& app);
+void addSimulateCommand(CLI::App& app);
+void addTrainCommand(CLI::App& app);
+void addPredictCommand(CLI::App& app);
+void addEvaluateCommand(CLI::App& app);
+void addCompareCommand(CLI::App& app);
+
+/// All commands. Text goes to standard output, progress and errors to standard error.
+/// @return 0 on success, 2 on bad usage or bad input (the text says why), 1 on failure
+int runOffline(int argc, char** argv);
+
+/// A file that the package ships, e.g. "config/trainer.yaml".
+/// @throws InvalidInput  the package is not on ROS_PACKAGE_PATH, or the file is missing
+std::string packageFile(const std::string& relative);
+
+/// Refuses at once what would only fail after a long computation.
+/// @throws InvalidInput  the file exists (unless `overwrite`), or its folder does not
+void checkOutputFile(const std::string& file, bool overwrite);
+/// @throws InvalidInput  cannot be written
+void writeTextFile(const std::string& file, const std::string& text);
+
+/// Progress on standard error: one line that is rewritten on a terminal, a line per change of phase
+/// elsewhere. Silent when `phase` is empty.
+void showProgress(const std::string& phase, double fraction);
+
+}  // namespace raven_correction

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recorded sessions as data sets: reading bags (doc/bags.md says what they hold) and writing data
+// sets as bags. The live recorder writes bags message by message.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven_correction/dataset/trajectory.h"
+
+namespace raven_correction {
+
+/// What a trajectory was meant to do, from its events; for comparing visits of targets.
+struct TrajectoryGoal {
+  std::string trajectory;
+  double start = 0.0;  ///< [s]
+  double end = 0.0;    ///< [s]
+  Pose target;         ///< in base; identity where not known
+  bool has_target = false;
+};
+
+struct Session {
+  Dataset dataset;                    ///< poses in base; sorted by start
+  std::vector<TrajectoryGoal> goals;  ///< one per trajectory of the data set, same order
+};
+
+/// Reads a session from one bag. Poses of mocap/measured_cp are registered into the base frame by
+/// the bag's /tf_static. Raw streams are kept as they are, also what is not finite.
+/// @throws InvalidInput  no such file, not a bag or cut off (run `rosbag reindex`), no command or
+/// no
+///         observation in it, or the registration is missing (the text names the frames)
+Session readSessionBag(const std::string& file);
+
+/// A bag, or a data set directory, whichever the path is.
+/// @throws InvalidInput  neither, or see readSessionBag() and readDatasetDirectory()
+Dataset readInput(const std::string& path);
+/// All inputs as one data set, sorted by start. Trajectory names that occur twice get the name of
+/// their input in front.
+/// @throws InvalidInput  no input, or different base frames
+Dataset readInputs(const std::vector<std::string>& paths);
+
+/// Writes pose streams and trajectory events; `frame` of the data set is the frame of all poses.
+/// Joint streams go to measured_js.
+/// @throws InvalidInput  the file exists or cannot be written
+void writeSessionBag(const Dataset& dataset, const std::string& file);
+
+}  // namespace raven_correction

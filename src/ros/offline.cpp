@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/ros/offline.h"
+
+#include <ros/package.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "raven_correction/error.h"
+
+namespace raven_correction {
+
+namespace fs = std::filesystem;
+
+std::string packageFile(const std::string& relative) {
+  const std::string package = ros::package::getPath("raven_correction");
+  if (package.empty())
+    throw InvalidInput(
+        format("the package raven_correction is not found, so its %s is not; set "
+               "ROS_PACKAGE_PATH (./run offline does), or name the file yourself",
+               relative.c_str()));
+  const std::string file = package + "/" + relative;
+  if (!fs::exists(file)) throw InvalidInput(format("%s: missing", file.c_str()));
+  return file;
+}
+
+void checkOutputFile(const std::string& file, bool overwrite) {
+  if (file.empty()) return;
+  if (!overwrite && fs::exists(file))
+    throw InvalidInput(
+        format("%s: exists; nothing was written, choose another name or remove it", file.c_str()));
+  const fs::path folder = fs::path(file).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder))
+    throw InvalidInput(format("%s: no such directory", folder.string().c_str()));
+}
+
+void writeTextFile(const std::string& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  out.close();
+  if (!out) throw InvalidInput(format("%s: cannot be written", file.c_str()));
+}
+
+void showProgress(const std::string& phase, double fraction) {
+  if (phase.empty()) return;
+  if (isatty(STDERR_FILENO)) {
+    std::fprintf(stderr, "\r\033[K%3.0f %%  %s%s", 100.0 * fraction, phase.c_str(),
+                 fraction >= 1.0 ? "\n" : "");
+  } else {
+    static std::string last;
+    if (phase != last) std::fprintf(stderr, "%3.0f %%  %s\n", 100.0 * fraction, phase.c_str());
+    last = phase;
+  }
+  std::fflush(stderr);
+}
+
+int runOffline(int argc, char** argv) {
+  CLI::App app(
+      "raven_correction without a ROS master. INPUT is a bag or a data set directory.\n"
+      "Exit code: 0 success, 2 bad usage or bad input, 1 failure.");
+  app.name("offline");
+  app.require_subcommand(1);
+  addImportExportCommands(app);
+  addTrainCommand(app);
+  addPredictCommand(app);
+  addEvaluateCommand(app);
+  addCompareCommand(app);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;  // --help ends here, too
+  } catch (const InvalidInput& error) {
+    std::fprintf(stderr, "offline: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "offline: failed: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace raven_correction

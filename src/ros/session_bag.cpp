@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/ros/session_bag.h"
+
+#include <raven_correction/TrajectoryEvent.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/JointState.h>
+#include <tf2/buffer_core.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "raven_correction/dataset/dataset_directory.h"
+#include "raven_correction/error.h"
+#include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/topics.h"
+
+namespace raven_correction {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kAfterEnd = 0.5;  ///< observations come later than commands [s]
+constexpr double kPause = 1.0;     ///< without events, a silence that ends a trajectory [s]
+
+std::string withoutSlash(const std::string& name) {
+  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
+}
+
+/// Streams of a whole bag, each sorted by stamp.
+struct RawStreams {
+  std::map<std::string, PoseStream> poses;              ///< by topic
+  std::map<std::string, std::set<std::string>> frames;  ///< by topic
+  JointStream joints;
+  std::vector<TrajectoryEvent> events;
+  tf2::BufferCore registration;
+};
+
+void sortByStamp(PoseStream& stream) {
+  std::stable_sort(stream.begin(), stream.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+}
+
+void take(const rosbag::MessageInstance& instance, RawStreams& raw) {
+  const std::string topic = withoutSlash(instance.getTopic());
+  if (const auto pose = instance.instantiate<geometry_msgs::PoseStamped>()) {
+    if (pose->header.stamp.isZero()) return;  // by convention: not valid
+    raw.poses[topic].push_back(stampedPoseFromMsg(*pose));
+    raw.frames[topic].insert(withoutSlash(pose->header.frame_id));
+  } else if (const auto joints = instance.instantiate<sensor_msgs::JointState>()) {
+    if (topic != topics::kJoints) return;
+    raw.joints.names = joints->name;
+    raw.joints.samples.push_back(
+        {joints->header.stamp.toSec(),
+         Eigen::Map<const Eigen::VectorXd>(joints->position.data(),
+                                           static_cast<Eigen::Index>(joints->position.size()))});
+  } else if (const auto event = instance.instantiate<TrajectoryEvent>()) {
+    raw.events.push_back(*event);
+  } else if (const auto tf = instance.instantiate<tf2_msgs::TFMessage>()) {
+    if (topic != withoutSlash(topics::kTfStatic)) return;
+    for (const geometry_msgs::TransformStamped& transform : tf->transforms)
+      raw.registration.setTransform(transform, "bag", true);
+  }
+}
+
+/// Puts observations of another frame into the base frame.
+void registerObservations(const std::string& file, const std::string& base, RawStreams& raw) {
+  const std::set<std::string>& frames = raw.frames[topics::kMocap];
+  if (frames.size() != 1)
+    throw InvalidInput(format("%s: %s comes in %zu different frames; record one tracker frame",
+                              file.c_str(), topics::kMocap, frames.size()));
+  const std::string& mocap = *frames.begin();
+  if (mocap == base || mocap.empty()) return;
+  Pose X_base_mocap;
+  try {
+    X_base_mocap =
+        poseFromMsg(raw.registration.lookupTransform(base, mocap, ros::Time(0)).transform);
+  } catch (const tf2::TransformException& error) {
+    throw InvalidInput(
+        format("%s: no registration of \"%s\" in \"%s\" in the bag's /tf_static "
+               "(%s); publish it with static_transform_publisher while recording",
+               file.c_str(), mocap.c_str(), base.c_str(), error.what()));
+  }
+  for (StampedPose& sample : raw.poses[topics::kMocap]) sample.pose = X_base_mocap * sample.pose;
+}
+
+std::vector<TrajectoryGoal> goalsFromEvents(std::vector<TrajectoryEvent> events) {
+  std::stable_sort(events.begin(), events.end(),
+                   [](const TrajectoryEvent& a, const TrajectoryEvent& b) {
+                     return a.header.stamp < b.header.stamp;
+                   });
+  std::vector<TrajectoryGoal> goals;
+  for (const TrajectoryEvent& event : events) {
+    const double stamp = event.header.stamp.toSec();
+    const bool open = !goals.empty() && goals.back().end == std::numeric_limits<double>::infinity();
+    if (event.event == TrajectoryEvent::START) {
+      if (open) goals.back().end = stamp;
+      TrajectoryGoal goal;
+      goal.trajectory = event.trajectory;
+      goal.start = stamp;
+      goal.end = std::numeric_limits<double>::infinity();
+      goal.target = poseFromMsg(event.target);
+      goal.has_target = isFinite(goal.target) && hasUnitQuaternion(goal.target);
+      goals.push_back(goal);
+    } else if (open && goals.back().trajectory == event.trajectory) {
+      goals.back().end = stamp;
+    }
+  }
+  return goals;
+}
+
+/// A recording without events: every longer silence of the commands ends a trajectory.
+std::vector<TrajectoryGoal> goalsFromPauses(const PoseStream& commands) {
+  std::vector<TrajectoryGoal> goals;
+  for (const StampedPose& command : commands) {
+    if (goals.empty() || command.stamp - goals.back().end > kPause) {
+      TrajectoryGoal goal;
+      goal.trajectory = format("t%03zu", goals.size());
+      goal.start = command.stamp;
+      goals.push_back(goal);
+    }
+    goals.back().end = command.stamp;
+  }
+  return goals;
+}
+
+PoseStream between(const PoseStream& stream, double start, double end) {
+  const auto earlier = [](const StampedPose& sample, double t) { return sample.stamp < t; };
+  const auto later = [](double t, const StampedPose& sample) { return t < sample.stamp; };
+  return {std::lower_bound(stream.begin(), stream.end(), start, earlier),
+          std::upper_bound(stream.begin(), stream.end(), end, later)};
+}
+
+Trajectory cut(const RawStreams& raw, const TrajectoryGoal& goal, double next_start) {
+  const double seen_until = std::min(goal.end + kAfterEnd, next_start);
+  const auto stream = [&](const char* topic) {
+    const auto found = raw.poses.find(topic);
+    return found == raw.poses.end() ? PoseStream() : found->second;
+  };
+  Trajectory trajectory;
+  trajectory.id = goal.trajectory;
+  trajectory.commands = between(stream(topics::kCommand), goal.start, goal.end);
+  trajectory.observations = between(stream(topics::kMocap), goal.start, seen_until);
+  trajectory.encoders = between(stream(topics::kEncoder), goal.start, seen_until);
+  trajectory.joint_observations.names = raw.joints.names;
+  for (const StampedJoints& sample : raw.joints.samples)
+    if (sample.stamp >= goal.start && sample.stamp <= seen_until)
+      trajectory.joint_observations.samples.push_back(sample);
+  return trajectory;
+}
+
+void readMessages(const std::string& file, RawStreams& raw) {
+  if (!fs::is_regular_file(file)) throw InvalidInput(format("%s: no such file", file.c_str()));
+  try {
+    rosbag::Bag bag(file, rosbag::bagmode::Read);
+    for (const rosbag::MessageInstance& instance : rosbag::View(bag)) take(instance, raw);
+  } catch (const rosbag::BagException& error) {
+    throw InvalidInput(
+        format("%s: not a complete bag (%s); if the recorder was killed, run "
+               "`rosbag reindex %s`",
+               file.c_str(), error.what(), file.c_str()));
+  }
+}
+
+}  // namespace
+
+Session readSessionBag(const std::string& file) {
+  RawStreams raw;
+  readMessages(file, raw);
+  for (auto& entry : raw.poses) sortByStamp(entry.second);
+  for (const char* const topic : {topics::kCommand, topics::kMocap})
+    if (raw.poses[topic].empty())
+      throw InvalidInput(format("%s: no message on %s; `rosbag info` lists what was recorded",
+                                file.c_str(), topic));
+  const std::string base = *raw.frames[topics::kCommand].begin();
+  registerObservations(file, base, raw);
+
+  Session session;
+  session.dataset.source = file;
+  session.dataset.name = fs::path(file).stem().string();
+  session.dataset.frame = base;
+  std::vector<TrajectoryGoal> goals = raw.events.empty()
+                                          ? goalsFromPauses(raw.poses[topics::kCommand])
+                                          : goalsFromEvents(raw.events);
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const double next_start =
+        i + 1 < goals.size() ? goals[i + 1].start : std::numeric_limits<double>::infinity();
+    Trajectory trajectory = cut(raw, goals[i], next_start);
+    if (trajectory.commands.empty()) continue;
+    session.dataset.trajectories.push_back(std::move(trajectory));
+    session.goals.push_back(goals[i]);
+  }
+  return session;
+}
+
+Dataset readInput(const std::string& path) {
+  if (fs::is_directory(path)) return readDatasetDirectory(path);
+  if (!fs::exists(path))
+    throw InvalidInput(
+        format("%s: neither a bag nor a data set directory; is the name right?", path.c_str()));
+  return readSessionBag(path).dataset;
+}
+
+Dataset readInputs(const std::vector<std::string>& paths) {
+  if (paths.empty()) throw InvalidInput("no input; give bags or data set directories");
+  Dataset all = readInput(paths.front());
+  for (std::size_t i = 1; i < paths.size(); ++i) {
+    Dataset more = readInput(paths[i]);
+    if (more.frame != all.frame)
+      throw InvalidInput(format("%s: poses are in frame \"%s\", those of %s in \"%s\"",
+                                paths[i].c_str(), more.frame.c_str(), paths.front().c_str(),
+                                all.frame.c_str()));
+    all.source += ", " + more.source;
+    std::set<std::string> known;
+    for (const Trajectory& trajectory : all.trajectories) known.insert(trajectory.id);
+    for (Trajectory& trajectory : more.trajectories) {
+      if (known.count(trajectory.id)) trajectory.id = more.name + "/" + trajectory.id;
+      all.trajectories.push_back(std::move(trajectory));
+    }
+  }
+  sortByStart(all);
+  return all;
+}
+
+namespace {
+
+ros::Time bagTime(double stamp) {
+  ros::Time time = ros::TIME_MIN;
+  if (std::isfinite(stamp) && stamp > 0.0) time.fromSec(stamp);
+  return std::max(time, ros::TIME_MIN);
+}
+
+void writeStream(rosbag::Bag& bag, const char* topic, const PoseStream& stream,
+                 const std::string& frame) {
+  for (const StampedPose& sample : stream)
+    bag.write(topic, bagTime(sample.stamp), stampedPoseToMsg(sample.stamp, sample.pose, frame));
+}
+
+void writeTrajectory(rosbag::Bag& bag, const Trajectory& trajectory, const std::string& frame) {
+  double first = trajectory.start(), last = first;
+  for (const PoseStream* const stream :
+       {&trajectory.commands, &trajectory.observations, &trajectory.encoders}) {
+    if (stream->empty()) continue;
+    first = std::min(first, stream->front().stamp);
+    last = std::max(last, stream->back().stamp);
+  }
+  TrajectoryEvent event;
+  event.header.stamp = bagTime(first);
+  event.trajectory = trajectory.id;
+  event.event = TrajectoryEvent::START;
+  bag.write(topics::kTrajectoryEvent, event.header.stamp, event);
+  writeStream(bag, topics::kCommand, trajectory.commands, frame);
+  writeStream(bag, topics::kMocap, trajectory.observations, frame);
+  writeStream(bag, topics::kEncoder, trajectory.encoders, frame);
+  for (const StampedJoints& sample : trajectory.joint_observations.samples) {
+    sensor_msgs::JointState joints;
+    joints.header.stamp = bagTime(sample.stamp);
+    joints.name = trajectory.joint_observations.names;
+    joints.position.assign(sample.positions.data(),
+                           sample.positions.data() + sample.positions.size());
+    bag.write(topics::kJoints, joints.header.stamp, joints);
+  }
+  event.header.stamp = bagTime(last);
+  event.event = TrajectoryEvent::END;
+  bag.write(topics::kTrajectoryEvent, event.header.stamp, event);
+}
+
+}  // namespace
+
+void writeSessionBag(const Dataset& dataset, const std::string& file) {
+  if (fs::exists(file))
+    throw InvalidInput(
+        format("%s: exists; nothing was written, choose another name", file.c_str()));
+  const std::string part = file + ".part";
+  try {
+    rosbag::Bag bag(part, rosbag::bagmode::Write);
+    for (const Trajectory& trajectory : dataset.trajectories)
+      writeTrajectory(bag, trajectory, dataset.frame);
+    bag.close();
+    fs::rename(part, file);
+  } catch (const std::exception& error) {
+    std::error_code ignored;
+    fs::remove(part, ignored);
+    throw InvalidInput(format("%s: cannot be written: %s", file.c_str(), error.what()));
+  }
+}
+
+}  // namespace raven_correction
