@@ -6,6 +6,7 @@
 #include <rosbag/view.h>
 #include <sensor_msgs/JointState.h>
 #include <tf2/buffer_core.h>
+#include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
