@@ -1,33 +1,88 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# One gtest executable per room (test/ROOM/*.cpp) and one rostest per test/nodes/*.test with the
-# gtest of the same name beside it.
+# All tests as catkin tests: one gtest executable per room (test/ROOM/*.cpp), one rostest per
+# test/nodes/*.test with the gtest of the same name beside it, every launch file, the lint and the
+# package tests (install space, workspace). `catkin_make run_tests` or `./run test` runs them.
+
+# Tests run in catkin's snapshot of the environment, which names this workspace only: add Debian's
+# ROS packages. And a test that hangs must end: after 15 minutes it is killed and counts as failed.
+if(EXISTS /usr/share/roscpp/package.xml)
+  set(append_packages "ROS_PACKAGE_PATH=\"$ROS_PACKAGE_PATH:/usr/share\" exec \"$@\"")
+  list(APPEND CATKIN_ENV sh -c ${append_packages} test)
+endif()
+list(APPEND CATKIN_ENV timeout 900)
+
+# --- rooms --------------------------------------------------------------------------------------
+# As catkin_add_gtest(), which however insists on running a file with the name of the target.
+find_package(GTest QUIET)
 foreach(room ${core_rooms} ros)
   file(GLOB room_tests CONFIGURE_DEPENDS test/${room}/*.cpp)
-  if(room_tests)
-    catkin_add_gtest(test_${room} ${room_tests} TIMEOUT 300
-      WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-    target_include_directories(test_${room} PRIVATE test)
-    target_include_directories(test_${room} SYSTEM PRIVATE ${LBFGSPP_INCLUDE_DIR})
-    target_link_libraries(test_${room} raven_correction_core yaml-cpp
-      nlohmann_json::nlohmann_json OpenMP::OpenMP_CXX)
+  if(room_tests AND NOT TARGET GTest::gtest_main)
+    message(WARNING "GoogleTest is missing, the tests of ${room} are left out: ./run test installs it")
+  elseif(room_tests)
+    set(target ${PROJECT_NAME}_test_${room})
+    set(library ${PROJECT_NAME}_core)
     if(room STREQUAL "ros")
-      target_link_libraries(test_${room} raven_correction_ros)
+      set(library ${PROJECT_NAME}_ros)
     endif()
+    add_executable(${target} EXCLUDE_FROM_ALL ${room_tests})
+    set_target_properties(${target} PROPERTIES OUTPUT_NAME test_${room})
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test)
+    target_include_directories(${target} SYSTEM PRIVATE ${LBFGSPP_INCLUDE_DIR})
+    target_link_libraries(${target} ${library} yaml-cpp
+      nlohmann_json::nlohmann_json OpenMP::OpenMP_CXX GTest::gtest GTest::gtest_main)
+    add_dependencies(tests ${target})
+    set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/gtest-${room}.xml)
+    catkin_run_tests_target(gtest ${room} gtest-${room}.xml
+      COMMAND "$<TARGET_FILE:${target}> --gtest_output=xml:${results}"
+      WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+      DEPENDENCIES ${target})
+    add_short_name(test_${room} ${target})
   endif()
 endforeach()
 
+# --- nodes --------------------------------------------------------------------------------------
 file(GLOB node_tests CONFIGURE_DEPENDS test/nodes/*.test)
 if(node_tests)
-  find_package(rostest REQUIRED)
-  foreach(launch_file ${node_tests})
-    get_filename_component(name ${launch_file} NAME_WE)
-    if(EXISTS ${PROJECT_SOURCE_DIR}/test/nodes/${name}.cpp)
-      add_rostest_gtest(test_${name} test/nodes/${name}.test test/nodes/${name}.cpp
-        DEPENDENCIES ${node_targets})
-      target_include_directories(test_${name} PRIVATE test)
-      target_link_libraries(test_${name} raven_correction_ros)
-    else()
-      add_rostest(test/nodes/${name}.test DEPENDENCIES ${node_targets})
+  find_package(rostest QUIET)
+  if(NOT rostest_FOUND)
+    message(WARNING "rostest is missing, the tests of the nodes are left out: ./run test installs it")
+    set(node_tests)
+  endif()
+endif()
+foreach(launch_file ${node_tests})
+  get_filename_component(name ${launch_file} NAME_WE)
+  if(EXISTS ${PROJECT_SOURCE_DIR}/test/nodes/${name}.cpp)
+    set(target ${PROJECT_NAME}_test_${name})
+    add_rostest_gtest(${target} test/nodes/${name}.test test/nodes/${name}.cpp)
+    if(node_targets)
+      add_dependencies(${target} ${node_targets})
     endif()
-  endforeach()
+    set_target_properties(${target} PROPERTIES OUTPUT_NAME test_${name})
+    target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test)
+    target_link_libraries(${target} ${PROJECT_NAME}_ros)
+    add_short_name(test_${name} ${target})
+  else()
+    add_rostest(test/nodes/${name}.test DEPENDENCIES ${node_targets})
+  endif()
+endforeach()
+
+# --- launch files ---------------------------------------------------------------------------------
+file(GLOB launch_files RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS launch/*.launch)
+foreach(launch_file ${launch_files})
+  roslaunch_add_file_check(${launch_file} DEPENDENCIES ${node_targets})
+endforeach()
+
+# --- lint and package: of the source folder as a whole, so only where it is built alone -------------
+if(CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR)
+  set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME})
+  set(lint ${PROJECT_SOURCE_DIR}/test/lint)
+  catkin_run_tests_target(lint rules lint_rules.xml
+    COMMAND "${PYTHON_EXECUTABLE} ${lint}/test_lint.py --gtest_output=xml:${results}/lint_rules.xml")
+  catkin_run_tests_target(lint all lint.xml
+    COMMAND "${PYTHON_EXECUTABLE} ${lint}/lint.py --build ${CMAKE_BINARY_DIR} --results ${results}/lint.xml"
+    DEPENDENCIES ${libraries} ${node_targets})
+  set(package_test ${PROJECT_SOURCE_DIR}/test/package/test_package.py)
+  catkin_run_tests_target(package all package.xml
+    COMMAND "${CMAKE_COMMAND} -E env RAVEN_BUILD=${CMAKE_BINARY_DIR} ${PYTHON_EXECUTABLE} ${package_test} --gtest_output=xml:${results}/package.xml"
+    DEPENDENCIES ${libraries} ${node_targets})
 endif()
