@@ -160,16 +160,14 @@ Pose KinematicChain::forward(const JointVector& q, Jacobian& jacobian) const noe
   return X_base_tool;
 }
 
-std::vector<Pose> KinematicChain::linkPoses(const JointVector& q) const {
+void KinematicChain::linkPoses(const JointVector& q, LinkPoses& poses) const noexcept {
   Frame frame(X_base_0_);
-  std::vector<Pose> poses;
   for (int i = 0; i < size(); ++i) {
     const Row& row = rows_[i];
     frame.alongX(row.cos_alpha, row.sin_alpha, row.a);
     frame.alongZ(row.theta + row.revolute_gain * q(i), row.d + row.prismatic_gain * q(i));
-    poses.push_back(frame.pose());
+    poses[static_cast<std::size_t>(i)] = frame.pose();
   }
-  return poses;
 }
 
 }  // namespace raven_correction

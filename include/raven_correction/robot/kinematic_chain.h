@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ constexpr int kMaxJoints = 8;
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
 /// 6xN: rows linear velocity x y z, angular velocity x y z, in `base`; one column per joint.
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJoints>;
+
+/// Poses of the links in `base`; the first size() of a chain are used.
+using LinkPoses = std::array<Pose, kMaxJoints>;
 
 enum class JointType { kRevolute, kPrismatic };
 
@@ -85,7 +89,7 @@ class KinematicChain {
   /// forward() and the geometric Jacobian of the tool point at once.
   Pose forward(const JointVector& q, Jacobian& jacobian) const noexcept;
   /// Pose of the frame after every row, in `base`; element i belongs to joint i.
-  std::vector<Pose> linkPoses(const JointVector& q) const;
+  void linkPoses(const JointVector& q, LinkPoses& poses) const noexcept;
 
  private:
   struct Row {  // what the live path needs of a Joint, with the constant sines taken

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "raven_correction/geometry/stream.h"
 #include "raven_correction/robot/inverse_kinematics.h"
@@ -14,20 +15,30 @@ namespace raven_correction {
 
 /// Positions are in the arm's base frame. Defaults: the left Raven of the CASE 2014 session.
 struct DebridementConfig {
-  Eigen::Vector3d field_centre{-0.020, -0.060, -0.140};  ///< middle of the field of fragments [m]
+  Eigen::Vector3d field_centre{-0.020, -0.058, -0.160};  ///< middle of the field of fragments [m]
   Eigen::Vector3d field_size{0.08, 0.08, 0.02};          ///< x, y, z [m]
-  Eigen::Vector3d receptacle{-0.060, -0.040, -0.120};    ///< where fragments are dropped [m]
-  double lift_height = 0.02;  ///< above fragment and receptacle, along z [m]
-  Eigen::Vector3d box_lower{-0.083, -0.100, -0.175};  ///< commands stay inside this box [m]
+  Eigen::Vector3d receptacle{-0.020, -0.0203, -0.105};   ///< where fragments are dropped [m]
+  Eigen::Vector3d box_lower{-0.083, -0.100, -0.175};     ///< commands stay inside this box [m]
   Eigen::Vector3d box_upper{0.040, -0.017, -0.091};
-  Eigen::Quaterniond orientation{0.5, -0.5, 0.5, 0.5};   ///< mean tool orientation
-  Eigen::Vector3d orientation_deviation{0.2, 0.2, 0.2};  ///< of its rotation vector per axis [rad]
-  double speed = 0.04;         ///< along a straight move, in its middle [m/s]
-  double angular_speed = 0.8;  ///< the slower of both limits sets the time [rad/s]
-  double acceleration = 0.2;   ///< at the start and the end of a move [m/s^2]
+  Eigen::Quaterniond orientation{0.5084, 0.4938, 0.4797, -0.5173};  ///< mean of the tool
+  Eigen::Vector3d orientation_deviation{0.1, 0.1, 0.1};  ///< of its rotation vector per axis [rad]
+  double lift_height = 0.05;   ///< above a fragment to look at it, along z [m]
+  double speed = 0.08;         ///< along a straight move, in its middle [m/s]
+  double angular_speed = 1.0;  ///< the slowest of the three limits sets the time [rad/s]
+  double acceleration = 0.5;   ///< largest along a straight move [m/s^2]
   double rate = 50.0;          ///< of commands [Hz]
+  double pause = 0.2;          ///< commands before the motion starts, at rest [s]
   double dwell = 0.5;          ///< commands go on at the target for this long [s]
 };
+
+/// Every scalar of the configuration with its key in YAML and its range.
+struct DebridementField {
+  const char* key;
+  double DebridementConfig::*value;
+  double lower;
+  double upper;
+};
+const std::vector<DebridementField>& debridementFields();
 
 /// One motion between two rests: a trajectory of the data set.
 struct DebridementTrajectory {
@@ -59,9 +70,20 @@ class DebridementMotion {
   DebridementTrajectory moveTo(const Pose& target, double start);
 
  private:
+  struct Move {  // a minimum-jerk displacement that starts at `begin` [s]
+    double begin;
+    double duration;
+    Eigen::Vector3d translation;  // [m]
+    Eigen::Vector3d rotation;     // rotation vector, in the tool frame at its start [rad]
+  };
+  double durationOf(const Pose& from, const Pose& to) const;
+  bool isReachable(const Pose& X_base_tool) const;
+  Pose randomPose(const Eigen::Vector3d& centre, const Eigen::Vector3d& size);
+  DebridementTrajectory follow(const std::vector<Pose>& waypoints, double start);
+
   DebridementConfig config_;
+  KinematicChain robot_;
   InverseKinematics ik_;
-  JointVector seed_joints_;
   std::mt19937_64 random_;
   Pose rest_;
   Pose fragment_pose_;

@@ -67,6 +67,8 @@ class Effect {
   /// it is the q that came in.
   virtual void apply(const StepContext& /*context*/, JointVector& /*memory*/,
                      JointVector& /*q*/) const noexcept {}
+  /// kDrive, kCable: apply() reads StepContext::load.
+  virtual bool needsLoad() const noexcept { return false; }
   /// kKinematics: the chain as it really is.
   virtual KinematicChain links(const KinematicChain& nominal) const { return nominal; }
   /// kKinematics: where the robot's base really is, X_base_robot.
@@ -79,25 +81,30 @@ class Effect {
   }
 
  protected:
+  /// What a parameter of a joint is for a revolute and for a prismatic one: from -limit, or from 0,
+  /// to limit.
+  struct JointRange {
+    const char* revolute_unit;
+    double revolute_limit;
+    const char* prismatic_unit;
+    double prismatic_limit;
+  };
+  enum class Sign { kBoth, kNotNegative };
+  void addParameter(EffectParameter parameter);
   /// A parameter with one value for the whole effect.
   void addParameter(const char* symbol, const char* unit, double lower, double upper);
-  /// One parameter per joint; `rad` and `m` are the units for revolute and prismatic joints.
-  struct JointUnits {
-    const char* revolute;
-    const char* prismatic;
-  };
-  struct JointRange {
-    double revolute;
-    double prismatic;
-  };
-  /// Adds size() parameters in the order of the joints: the first gets index parameters().size().
-  void addJointParameters(const char* symbol, const KinematicChain& robot, JointUnits units,
-                          JointRange lower, JointRange upper);
-  double value(int index) const noexcept {
-    return parameters_[static_cast<std::size_t>(index)].value;
-  }
+  /// One parameter per joint, in the order of the joints.
+  void addJointParameters(const char* symbol, const KinematicChain& robot, const JointRange& range,
+                          Sign sign);
+  /// x, y, z [m] and the rotation vector rx, ry, rz [rad] of a small rigid transform.
+  void addPoseParameters(double translation_limit, double rotation_limit);
+  /// The transform whose parameters start at `first`.
+  Pose poseValue(int first) const noexcept;
+  double value(int index) const noexcept { return values_[static_cast<std::size_t>(index)]; }
 
+ private:
   std::vector<EffectParameter> parameters_;
+  std::vector<double> values_;  // of parameters_, side by side for speed
 };
 
 }  // namespace raven_correction

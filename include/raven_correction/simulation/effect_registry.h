@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The catalogue of effects. Adding one: write its class in simulation/effects/, and add a line to
+// The catalogue of effects. Adding one: write src/simulation/effect_NAME.cpp, and add a line to
 // the table in effect_registry.cpp. The order of the table is the order of effects within a stage.
 #pragma once
 

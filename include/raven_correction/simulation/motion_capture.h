@@ -3,6 +3,7 @@
 // sight, frames that repeat, and gaps. Poses go in and come out in `base` (already registered).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -14,8 +15,9 @@ namespace raven_correction {
 
 /// Every probability is per frame; every duration is exponentially distributed about its mean.
 struct MotionCaptureConfig {
-  double rate = 120.0;        ///< frames [Hz], in [1, 1000]
-  double noise = 1e-4;        ///< of each marker, one standard deviation per axis [m]
+  double rate = 120.0;           ///< frames [Hz], in [1, 1000]
+  double noise = 1e-4;           ///< of each marker, one standard deviation per axis [m]
+  double rotation_noise = 5e-3;  ///< one standard deviation per axis [rad]
   double camera_bias = 5e-4;  ///< standard deviation of a camera's constant error at the tool [m]
   double camera_loss_rate = 0.2;    ///< how often a camera loses sight by chance [1/s]
   double camera_loss_time = 0.2;    ///< for how long, mean [s]
@@ -28,6 +30,15 @@ struct MotionCaptureConfig {
   double stamp_jitter = 0.0;        ///< standard deviation of a stamp's error [s]
   double latency = 0.0;             ///< stamps are this much later than the exposure [s]
 };
+
+/// Every number of the configuration with its key in YAML and its range.
+struct MotionCaptureField {
+  const char* key;
+  double MotionCaptureConfig::*value;
+  double lower;
+  double upper;
+};
+const std::vector<MotionCaptureField>& motionCaptureFields();
 
 /// One frame as it left the system.
 struct MocapFrame {
@@ -51,10 +62,22 @@ class MotionCapture {
   const MotionCaptureConfig& config() const noexcept { return config_; }
 
  private:
-  struct Camera;
+  struct Camera {
+    Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // of what it sees, at the tool [m]
+    double blind_until = 0.0;                        // [s]
+  };
+  bool happens(double probability);
+  double durationOf(double mean);
+  Eigen::Vector3d gaussian(double deviation);
+  bool cameraBias(double now, Eigen::Vector3d& bias, unsigned& visible);
+
   MotionCaptureConfig config_;
   std::mt19937_64 random_;
+  std::array<Camera, 4> cameras_;
   double next_exposure_ = 0.0;
+  double gap_until_ = 0.0;
+  double swap_until_ = 0.0;
+  std::optional<StampedPose> last_;
 };
 
 }  // namespace raven_correction

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "raven_correction/dataset/trajectory.h"
+#include "raven_correction/simulation/simulated_arm.h"
 #include "raven_correction/simulation/simulation_config.h"
 
 namespace raven_correction {
@@ -16,11 +18,26 @@ namespace raven_correction {
 Dataset simulateSession(const SimulationConfig& config, int trajectories, std::uint64_t seed);
 
 /// What the simulated robot would have done under these commands. Trajectories keep their ids and
-/// stamps; each starts at rest at its first command, the session's time runs on between them.
+/// stamps. Between two of them the arm goes to the first pose of the next and waits there, so plays
+/// keep their history.
 /// Commands that are not poses (not finite, identity) are kept in the data, and not executed.
 /// @param measured  only its command streams are read
 /// @throws InvalidInput  no trajectory, or one without a command that the robot can reach
 Dataset simulateCommands(const SimulationConfig& config, const Dataset& measured,
                          std::uint64_t seed);
+
+struct ReplaySample {
+  Pose tool;           ///< as motion capture would see it without noise, X_base_tool
+  Pose measured;       ///< forward kinematics of the encoders, X_base_tool
+  JointVector joints;  ///< joint side
+  JointVector motors;  ///< motor side, in joint units
+};
+
+/// Noise-free poses under the commands of one trajectory at given instants: what a fit compares
+/// with measurements. The arm is reset to rest at the first command.
+/// @param instants  never decreasing [s]
+/// @throws InvalidInput  no command that is a pose, or the first one cannot be reached
+std::vector<ReplaySample> replay(SimulatedArm& arm, const PoseStream& commands,
+                                 const std::vector<double>& instants);
 
 }  // namespace raven_correction

@@ -32,11 +32,15 @@ struct ArmState {
   JointVector joint;     ///< joint side: where the links are
   Setpoint active;       ///< the command whose delay has passed last
   std::deque<Setpoint> pending;     ///< commands that do not act yet, oldest first
+  JointVector command_joints;       ///< of the command taken last: the next one's seed
+  double last_stamp = 0.0;          ///< of the command taken last [s]
   std::vector<JointVector> memory;  ///< one per effect
 };
 
-/// Deterministic. Every operator is exact for held set-points, so results do not depend on the
-/// internal step nor on how often one asks. Not thread-safe.
+/// Deterministic. Every operator is exact for set-points that are held, so results do not depend on
+/// the internal step nor on how often one asks, with two exceptions: backlash behind joint_coupling
+/// (the sum of two joints may turn round within a step) and the load of cable_stretch (it is that
+/// of the step before). Not thread-safe.
 class SimulatedArm {
  public:
   /// Starts at rest at the homing position.
@@ -79,17 +83,19 @@ class SimulatedArm {
   const std::array<std::uint64_t, 5>& commandCounts() const noexcept { return counts_; }
 
  private:
-  void step(double duration) noexcept;
-  JointVector setpointAt(double time) noexcept;
+  void step(double end) noexcept;
+  void runStages(const StepContext& context, bool at_reset, JointVector& q) noexcept;
+  JointVector setpointAt(double time) const noexcept;
+  JointVector load() const noexcept;
 
   SimulationConfig config_;
   InverseKinematics ik_;
   KinematicChain real_chain_;  // with all link errors
-  double delay_ = 0.0;
+  double delay_ = 0.0;         // [s]
   Pose X_base_robot_;
   Pose X_tool_observed_;
+  bool needs_load_ = false;
   ArmState state_;
-  JointVector command_joints_;  // seed of the next inverse kinematics
   std::array<std::uint64_t, 5> counts_{};
 };
 

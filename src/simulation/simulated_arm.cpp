@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/simulation/simulated_arm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "raven_correction/error.h"
+#include "raven_correction/robot/gravity_load.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr std::size_t kMaxPending = 100000;  // commands that wait: more means a stamp in the future
+
+}  // namespace
+
+SimulatedArm::SimulatedArm(const SimulationConfig& config, double start)
+    : config_(config), ik_(config.robot), real_chain_(config.robot) {
+  if (config_.robot.size() == 0) throw InvalidInput("simulation " + config_.name + " has no robot");
+  if (!(config_.step > 0.0))
+    throw InvalidInput(format("simulation step = %g s, must be > 0", config_.step));
+  for (const auto& effect : config_.effects) {
+    delay_ += effect->delay();
+    real_chain_ = effect->links(real_chain_);
+    X_base_robot_ = X_base_robot_ * effect->base();
+    X_tool_observed_ = X_tool_observed_ * effect->tool();
+    needs_load_ = needs_load_ || effect->needsLoad();
+  }
+  reset(start);
+}
+
+void SimulatedArm::reset(double start, const JointVector& joints) {
+  if (joints.size() != config_.robot.size() || !joints.allFinite() || !std::isfinite(start))
+    throw InvalidInput(
+        format("an arm of %d joints cannot be reset to %d joints or to a value that "
+               "is not finite",
+               config_.robot.size(), static_cast<int>(joints.size())));
+  state_ = ArmState();
+  state_.start = start;
+  state_.time = start;
+  state_.setpoint = joints;
+  state_.joint = joints;
+  state_.active = {start, joints};
+  state_.command_joints = joints;
+  state_.last_stamp = -std::numeric_limits<double>::infinity();
+  state_.memory.assign(config_.effects.size(), joints);
+  // Whatever comes in is what an effect remembers: every play in its middle, every lag at rest.
+  const StepContext context{0.0, config_.step, config_.robot.home(), load()};
+  JointVector q = joints;
+  runStages(context, true, q);
+}
+
+IkStatus SimulatedArm::reset(double start, const Pose& X_base_tool) {
+  const IkResult result = ik_.solve(X_base_tool, config_.robot.home());
+  if (reproducesPose(result.status)) reset(start, config_.robot.clamp(result.joints));
+  return result.status;
+}
+
+IkStatus SimulatedArm::command(const StampedPose& X_base_tool) noexcept {
+  IkStatus status = IkStatus::kInvalidInput;
+  if (std::isfinite(X_base_tool.stamp) && X_base_tool.stamp >= state_.last_stamp &&
+      state_.pending.size() < kMaxPending) {
+    const IkResult result = ik_.solve(X_base_tool.pose, state_.command_joints);
+    status = result.status;
+    if (reproducesPose(status)) {
+      state_.command_joints = config_.robot.clamp(result.joints);
+      state_.last_stamp = X_base_tool.stamp;
+      state_.pending.push_back({X_base_tool.stamp, state_.command_joints});
+    }
+  }
+  ++counts_[static_cast<std::size_t>(status)];
+  return status;
+}
+
+void SimulatedArm::advanceTo(double time) noexcept {
+  while (state_.time < time) {
+    // A step ends where a set-point changes, so a held set-point is constant during every step.
+    while (!state_.pending.empty() && state_.pending.front().stamp + delay_ <= state_.time) {
+      state_.active = state_.pending.front();
+      state_.pending.pop_front();
+    }
+    double end = std::min(time, state_.time + config_.step);
+    if (!state_.pending.empty()) end = std::min(end, state_.pending.front().stamp + delay_);
+    if (!(end > state_.time)) end = std::nextafter(state_.time, time);
+    step(end);
+  }
+}
+
+JointVector SimulatedArm::setpointAt(double time) const noexcept {
+  if (config_.setpoints == SetpointMode::kHold || state_.pending.empty())
+    return state_.active.joints;
+  const ArmState::Setpoint& next = state_.pending.front();
+  const double span = next.stamp - state_.active.stamp;
+  if (!(span > 0.0)) return state_.active.joints;
+  const double share = std::clamp((time - delay_ - state_.active.stamp) / span, 0.0, 1.0);
+  return state_.active.joints + share * (next.joints - state_.active.joints);
+}
+
+JointVector SimulatedArm::load() const noexcept {
+  if (!needs_load_) return JointVector::Zero(config_.robot.size());
+  return gravityLoad(real_chain_, state_.joint, state_.payload);
+}
+
+void SimulatedArm::runStages(const StepContext& context, bool at_reset, JointVector& q) noexcept {
+  bool past_drive = false;
+  for (std::size_t i = 0; i < config_.effects.size(); ++i) {
+    const Effect& effect = *config_.effects[i];
+    const EffectStage stage = effect.stage();
+    if (stage != EffectStage::kDrive && stage != EffectStage::kCable) continue;
+    if (stage == EffectStage::kCable && !past_drive) {
+      state_.motor = q;
+      past_drive = true;
+    }
+    if (at_reset) state_.memory[i] = q;
+    effect.apply(context, state_.memory[i], q);
+  }
+  if (!past_drive) state_.motor = q;
+  state_.joint = q;
+}
+
+void SimulatedArm::step(double end) noexcept {
+  const StepContext context{end - state_.start, end - state_.time, config_.robot.home(), load()};
+  state_.time = end;
+  state_.setpoint = setpointAt(end);
+  JointVector q = state_.setpoint;
+  runStages(context, false, q);
+}
+
+Pose SimulatedArm::toolPose() const noexcept {
+  Pose X = X_base_robot_ * real_chain_.forward(state_.joint) * X_tool_observed_;
+  for (const auto& effect : config_.effects)
+    if (effect->stage() == EffectStage::kObservation)
+      X = effect->observe(state_.time - state_.start, X);
+  return X;
+}
+
+}  // namespace raven_correction
