@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The live path: one desired pose in, one command out, or a reason why not. A safety device: it
+// limits size and step of the correction, fades, blends models and modes, and never invents a
+// command. F itself is predictor.h; topics, clocks and other publishers are the node's business.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "raven_correction/correction/motion.h"
+#include "raven_correction/correction/predictor.h"
+
+namespace raven_correction {
+
+/// Numbers as in CorrectionStatus.msg. Below 16 the command is to be sent, from 16 on it is not.
+enum class CorrectorCode {
+  kCorrected = 0,
+  kCorrectedFaded = 1,
+  kCorrectedLimited = 2,
+  kRigidOnly = 3,
+  kPassedOff = 4,
+  kPassedNoModel = 5,
+  kPassedOutside = 6,
+  kPassedModelFault = 7,
+  kPassedBetweenEndpoints = 8,
+  kRefusedNotFinite = 16,
+  kRefusedNotUnit = 17,
+  kRefusedFrame = 18,
+  kRefusedZeroStamp = 19,
+  kRefusedStale = 20,
+  kRefusedFuture = 21,
+  kRefusedTimeBackwards = 22,
+  kRefusedLatched = 23,
+};
+constexpr bool isRefused(CorrectorCode code) noexcept { return static_cast<int>(code) >= 16; }
+/// "corrected", "refused_stale", ...
+const char* correctorCodeName(CorrectorCode code) noexcept;
+
+enum class CorrectorMode { kOff, kRigid, kFull, kEndpoint };
+/// "off", "rigid", "full", "endpoint".
+/// @throws InvalidInput  for any other name; the text lists these
+CorrectorMode correctorModeFromName(const std::string& name);
+const char* correctorModeName(CorrectorMode mode) noexcept;
+
+struct CorrectorLimits {
+  double max_translation = 0.06;       ///< longest correction, > 0 [m]
+  double max_rotation = 0.8;           ///< largest correction, > 0 [rad]
+  double max_translation_rate = 0.15;  ///< of the correction itself, > 0 [m/s]
+  double max_rotation_rate = 2.0;      ///< of the correction itself, > 0 [rad/s]
+  double max_step_time = 0.1;  ///< a longer silence allows no larger step than this one, > 0 [s]
+  double max_age = 0.5;        ///< of a desired pose when it arrives; 0 is not checked [s]
+  double max_ahead = 0.5;      ///< of its stamp before the clock; 0 is not checked [s]
+  /// The command stays in this box; min >= max in any axis: no box. [m]
+  Eigen::Vector3d box_min = Eigen::Vector3d::Zero();
+  Eigen::Vector3d box_max = Eigen::Vector3d::Zero();
+};
+
+struct CorrectorOutput {
+  CorrectorCode code = CorrectorCode::kRefusedNotFinite;
+  Pose command;                                           ///< valid unless refused
+  Eigen::Vector3d sd_position = Eigen::Vector3d::Zero();  ///< see Prediction [m]
+  Eigen::Vector3d sd_rotation = Eigen::Vector3d::Zero();  ///< see Prediction [rad]
+  double h_share = 0.0;                                   ///< share of H in the command
+  const std::string* model = nullptr;                     ///< id of the model used, or null
+};
+
+/// One corrector serves one stream of desired poses from one thread; setModel() and setMode()
+/// may come from one other thread. Models are kept until the corrector ends: they are
+/// a few megabytes and come a few times a day, and so the live path never frees one.
+class Corrector {
+ public:
+  /// @throws InvalidInput  a limit out of its range
+  explicit Corrector(const CorrectorLimits& limits);
+
+  /// Takes effect with the next pose; the limit on the rate of the correction is the blend.
+  /// @throws InvalidInput  see Predictor
+  void setModel(const Correction& model);
+  void setMode(CorrectorMode mode) noexcept { mode_.store(mode, std::memory_order_relaxed); }
+  CorrectorMode mode() const noexcept { return mode_.load(std::memory_order_relaxed); }
+
+  /// No allocation, lock, log or throw. With T the correction as a motion of the tool (translation
+  /// in base, rotation vector in the tool frame), F(x) = x + T:
+  ///   1. refuse what is not a pose, not new, or not of now
+  ///   2. T from the mode: 0 (off), G, or F with its fades
+  ///   3. shorten T to max_translation and max_rotation
+  ///   4. move the T in force towards it by at most rate * time since the last pose
+  ///   5. clip the position to the box
+  /// A refused pose changes no state. Unless the code is kCorrected*, kRigidOnly or kPassedOutside,
+  /// and once a former correction has been taken back in steps, the command equals the desired pose
+  /// bit for bit.
+  /// @param stamp    of the desired pose [s]
+  /// @param now      the clock [s]
+  /// @param desired  in the base frame
+  /// @param endpoint  the pose is the first or last of a path (counts in mode endpoint only)
+  CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint) noexcept;
+
+  /// Forgets the stream (after a jump of the clock); the correction in force goes on from where it
+  /// is.
+  void restart() noexcept;
+
+ private:
+  struct Live {
+    explicit Live(const Correction& model)
+        : predictor(model), workspace(predictor.makeWorkspace()), estimator(model.motion) {}
+    Predictor predictor;
+    std::shared_ptr<Predictor::Workspace> workspace;
+    MotionEstimator estimator;
+  };
+
+  CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
+
+  CorrectorLimits limits_;
+  std::atomic<CorrectorMode> mode_{CorrectorMode::kOff};
+  std::vector<std::unique_ptr<Live>> models_;  // of the thread that sets models
+  std::atomic<Live*> live_{nullptr};
+
+  // Of the live thread.
+  bool started_ = false;
+  double last_stamp_ = 0.0;
+  Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();  // correction in force, base frame
+  Eigen::Vector3d rotation_ = Eigen::Vector3d::Zero();     // rotation vector, tool frame
+};
+
+}  // namespace raven_correction

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/evaluation/validated_training.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include "raven_correction/error.h"
+
+namespace raven_correction {
+
+bool isHeldOut(const Trajectory& trajectory) noexcept {
+  // Mixes the microseconds of the start stamp (splitmix64), so that regular starts do not align
+  // with the choice. Source: Steele et al. 2014, doi:10.1145/2660193.2660195
+  auto x = static_cast<std::uint64_t>(std::llround(trajectory.start() * 1e6));
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return (x ^ (x >> 31)) % 5 == 0;
+}
+
+namespace {
+
+void split(const Dataset& dataset, Dataset& training, Dataset& held_out) {
+  training = held_out = dataset;
+  const auto fill = [&](auto&& tests) {
+    training.trajectories.clear();
+    held_out.trajectories.clear();
+    for (std::size_t i = 0; i < dataset.trajectories.size(); ++i)
+      (tests(i) ? held_out : training).trajectories.push_back(dataset.trajectories[i]);
+  };
+  fill([&](std::size_t i) { return isHeldOut(dataset.trajectories[i]); });
+  if (held_out.trajectories.empty() || training.trajectories.size() < 2)
+    fill([](std::size_t i) { return i % 5 == 0; });
+}
+
+/// Errors of the live model on the same observations, with its own motion features.
+ErrorSummary errorsOfLive(const Correction& live, const Dataset& held_out, double delay,
+                          double max_gap, const std::vector<bool>& clean, const CleanGates& gates) {
+  const Predictor predictor(live);
+  const std::vector<TestState> states =
+      makeTestStates(held_out, live.motion, delay, max_gap, gates);
+  return summarise(pick(errorsOf(states, PredictionKind::kFull, &predictor), clean));
+}
+
+double meanRatio(const ErrorSummary& a, const ErrorSummary& b) {
+  return 0.5 * (a.position_norm / b.position_norm + a.angle_norm / b.angle_norm);
+}
+
+std::string millimetresAndDegrees(const ErrorSummary& summary) {
+  return format("%.2f mm, %.2f deg", 1e3 * summary.position_norm,
+                summary.angle_norm * 180.0 / 3.14159265358979323846);
+}
+
+}  // namespace
+
+ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig& config,
+                                   const Correction* live, double now, const Progress& progress) {
+  if (dataset.trajectories.size() < 3)
+    throw InvalidInput(
+        format("%s: %zu trajectories; at least 3 are needed, so that one can be "
+               "held out: record more",
+               dataset.source.c_str(), dataset.trajectories.size()));
+  Dataset learn, held_out;
+  split(dataset, learn, held_out);
+  ValidatedTraining result;
+  result.held_out_trajectories = held_out.trajectories.size();
+  result.training = train(learn, config, now, [&](const std::string& phase, double fraction) {
+    if (progress) progress(phase, 0.9 * fraction);
+  });
+  if (progress) progress("validating", 0.9);
+
+  Correction& model = result.training.model;
+  SynchronisationOptions gaps;
+  gaps.max_gap = config.max_gap;
+  gaps.max_gap_periods = config.max_gap_periods;
+  const double max_gap = commandGapLimit(dataset, gaps);
+  const CleanGates gates;
+  // Deployed models see the past only, also where they were trained with the central stencil.
+  MotionOptions motion = model.motion;
+  if (motion.velocity == VelocityKind::kCentral) motion.velocity = VelocityKind::kCausal;
+  const std::vector<TestState> states =
+      makeTestStates(held_out, motion, model.delay, max_gap, gates);
+  const std::vector<bool> clean = cleanStates(states, model.rigid, gates);
+  const Predictor predictor(model);
+  const auto errors = [&](PredictionKind kind) {
+    return summarise(pick(errorsOf(states, kind, &predictor), clean));
+  };
+  result.none = errors(PredictionKind::kNone);
+  result.rigid = errors(PredictionKind::kRigid);
+  result.full = errors(PredictionKind::kFull);
+  if (result.full.n == 0)
+    throw InvalidInput(
+        format("%s: none of the %zu held-out states passes the gates of the clean "
+               "set; are commands and observations in one frame, in metres?",
+               dataset.source.c_str(), states.size()));
+  if (live != nullptr)
+    result.live = errorsOfLive(*live, held_out, model.delay, max_gap, clean, gates);
+  const ErrorSummary& reference = result.live ? *result.live : result.none;
+  const double ratio = meanRatio(result.full, reference);
+  result.better = ratio < 1.0;
+  result.verdict = format("%s on %zu held-out states of %zu trajectories, against %s %s",
+                          millimetresAndDegrees(result.full).c_str(), result.full.n,
+                          held_out.trajectories.size(), millimetresAndDegrees(reference).c_str(),
+                          result.live ? "of the model in use" : "without correction");
+  model.held_out.position_before = result.none.position_norm;
+  model.held_out.angle_before = result.none.angle_norm;
+  model.held_out.position_after = result.full.position_norm;
+  model.held_out.angle_after = result.full.angle_norm;
+  if (progress) progress("validating", 1.0);
+  return result;
+}
+
+}  // namespace raven_correction

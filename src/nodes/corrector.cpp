@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rewrites desired poses into commands that bring the tool there (ros/corrector_node.h).
+#include <ros/ros.h>
+
+#include "raven_correction/error.h"
+#include "raven_correction/ros/corrector_node.h"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "corrector");
+  try {
+    raven_correction::CorrectorNode node(ros::NodeHandle(), ros::NodeHandle("~"));
+    ros::spin();
+  } catch (const raven_correction::InvalidInput& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+  return 0;
+}
