@@ -8,6 +8,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/regression/dense.h"
 #include "raven_correction/regression/kernel_matrix.h"
+#include "simd_kernels.h"
 
 namespace raven_correction {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 // max(0, x) that lets NaN through: a query that is not finite must not look certain.
 double aboveZero(double x) noexcept { return x < 0.0 ? 0.0 : x; }
 
-constexpr Eigen::Index kBlock = 512;  // queries of one batch product
+constexpr Eigen::Index kBlock = 1024;  // queries of one batch product
 
 void checkGroup(const GpGroup& group, int features, std::size_t index) {
   const Eigen::Index m = group.points.cols();
@@ -37,18 +38,45 @@ void checkGroup(const GpGroup& group, int features, std::size_t index) {
                               group.length_scales.minCoeff(), index));
 }
 
+// What a single query reads of one group, laid out in the order in which it is read.
+struct QueryGroup {
+  Eigen::VectorXd inverse_scales;  // d
+  Eigen::MatrixXd by_feature;      // scaled points, (m + padding) x d
+  std::vector<double> panels;      // variance factor, see SimdKernels::squaredNormLower
+};
+
+Eigen::Index roundUp(Eigen::Index value, Eigen::Index to) { return (value + to - 1) / to * to; }
+
+QueryGroup queryGroup(const GpGroup& group, const Eigen::MatrixXd& scaled) {
+  constexpr Eigen::Index kPadding = 16;
+  const Eigen::Index m = scaled.cols();
+  const Eigen::Index rows = simdKernels().panel_rows;
+  QueryGroup query;
+  query.inverse_scales = group.length_scales.cwiseInverse();
+  query.by_feature.setZero(m + kPadding, scaled.rows());
+  query.by_feature.topRows(m) = scaled.transpose();
+  const Eigen::Index panels = roundUp(m, rows) / rows;
+  query.panels.assign(std::size_t(rows * rows * panels * (panels + 1) / 2), 0.0);
+  double* to = query.panels.data();
+  for (Eigen::Index first = 0; first < m; first += rows)
+    for (Eigen::Index column = 0; column < first + rows; ++column, to += rows)
+      for (Eigen::Index i = std::max(first, column); i < std::min(first + rows, m); ++i)
+        to[i - first] = group.variance_factor(i, column);
+  return query;
+}
+
 }  // namespace
 
 class GpPredictor::Workspace {
  public:
   Eigen::VectorXd x;             // scaled query
-  Eigen::VectorXd correlations;  // c
-  Eigen::VectorXd projected;     // T c
+  Eigen::VectorXd correlations;  // c, zero past its end up to a whole panel
 };
 
 struct GpPredictor::Impl {
   GpModel model;
   std::vector<Eigen::MatrixXd> scaled;  // points of each group in units of its length scales
+  std::vector<QueryGroup> queries;
   Eigen::VectorXd prior_deviation;
   Eigen::Index largest = 0;  // points of the largest group
 };
@@ -72,6 +100,7 @@ GpPredictor::GpPredictor(const GpModel& model) {
       impl->prior_deviation(output) = std::sqrt(group.signal_variance(Eigen::Index(k)));
     }
     impl->scaled.push_back(scalePoints(group.points, group.length_scales));
+    impl->queries.push_back(queryGroup(group, impl->scaled.back()));
     impl->largest = std::max(impl->largest, group.points.cols());
   }
   if (std::count(uses.begin(), uses.end(), 1) != model.outputs)
@@ -92,36 +121,33 @@ const Eigen::VectorXd& GpPredictor::priorDeviation() const noexcept {
 std::shared_ptr<GpPredictor::Workspace> GpPredictor::makeWorkspace() const {
   auto workspace = std::make_shared<Workspace>();
   workspace->x.setZero(impl_->model.features);
-  workspace->correlations.setZero(impl_->largest);
-  workspace->projected.setZero(impl_->largest);
+  workspace->correlations.setZero(roundUp(impl_->largest, simdKernels().panel_rows));
   return workspace;
 }
 
 void GpPredictor::predict(const double* x, double* mean, double* variance,
                           Workspace& workspace) const noexcept {
+  const SimdKernels& simd = simdKernels();
   const Eigen::Index d = impl_->model.features;
+  const Eigen::Map<const Eigen::VectorXd> query(x, d);
   for (std::size_t g = 0; g < impl_->model.groups.size(); ++g) {
     const GpGroup& group = impl_->model.groups[g];
-    const Eigen::MatrixXd& scaled = impl_->scaled[g];
-    const Eigen::Index m = scaled.cols();
-    for (Eigen::Index j = 0; j < d; ++j) workspace.x(j) = x[j] / group.length_scales(j);
-    for (Eigen::Index i = 0; i < m; ++i)
-      workspace.correlations(i) = correlation(group.kernel, (scaled.col(i) - workspace.x).norm());
+    const QueryGroup& layout = impl_->queries[g];
+    const Eigen::Index m = group.points.cols();
+    workspace.x = query.cwiseProduct(layout.inverse_scales);
+    double* const c = workspace.correlations.data();
+    simd.correlations(int(group.kernel), d, m, layout.by_feature.data(), layout.by_feature.rows(),
+                      1, workspace.x.data(), d, c, nullptr, m);
     double explained = 0.0;
     if (variance != nullptr) {
-      workspace.projected.head(m).setZero();
-      for (Eigen::Index j = 0; j < m; ++j)
-        workspace.projected.segment(j, m - j) +=
-            workspace.correlations(j) * group.variance_factor.col(j).tail(m - j);
-      explained = workspace.projected.head(m).squaredNorm();
+      std::fill(c + m, c + roundUp(m, simd.panel_rows), 0.0);
+      explained = simd.squaredNormLower(m, layout.panels.data(), c);
     }
     for (std::size_t k = 0; k < group.outputs.size(); ++k) {
       const Eigen::Index column = Eigen::Index(k);
-      double value = group.mean_weights(0, column);
-      for (Eigen::Index j = 0; j < d; ++j) value += x[j] * group.mean_weights(1 + j, column);
-      for (Eigen::Index i = 0; i < m; ++i)
-        value += workspace.correlations(i) * group.weights(i, column);
-      mean[group.outputs[k]] = value;
+      mean[group.outputs[k]] = group.mean_weights(0, column) +
+                               query.dot(group.mean_weights.col(column).tail(d)) +
+                               workspace.correlations.head(m).dot(group.weights.col(column));
       if (variance != nullptr)
         variance[group.outputs[k]] = group.signal_variance(column) * aboveZero(1.0 - explained);
     }
@@ -145,13 +171,14 @@ void GpPredictor::predict(const Eigen::MatrixXd& x, Eigen::MatrixXd& mean,
       const Eigen::Index m = group.points.cols();
       kernelMatrix(group.kernel, impl_->scaled[g], scalePoints(points, group.length_scales),
                    correlations);
-      const Eigen::MatrixXd trend = evaluateMean(group.mean_weights, points);
-      const Eigen::MatrixXd means = trend + correlations.transpose() * group.weights;
+      Eigen::MatrixXd means = evaluateMean(group.mean_weights, points);
+      multiply(Transpose::kYes, Transpose::kNo, count, means.cols(), m, 1.0, correlations.data(), m,
+               group.weights.data(), m, 1.0, means.data(), count);
       Eigen::VectorXd remaining;
       if (variance != nullptr) {
-        projected.resize(m, count);
-        multiply(Transpose::kNo, Transpose::kNo, m, count, m, 1.0, group.variance_factor.data(), m,
-                 correlations.data(), m, 0.0, projected.data(), m);
+        projected = correlations;
+        multiplyLower(Transpose::kNo, m, count, group.variance_factor.data(), m, projected.data(),
+                      m);
         remaining = (1.0 - projected.colwise().squaredNorm().transpose().array()).matrix();
         for (double& share : remaining) share = aboveZero(share);
       }

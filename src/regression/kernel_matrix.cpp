@@ -1,10 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Correlation matrices from differences of coordinates: no cancellation between near points.
+// Columns go to threads in blocks; one block is one call of the vectorised loop.
 #include "raven_correction/regression/kernel_matrix.h"
 
-#include <cmath>
+#include <omp.h>
+
+#include <algorithm>
+
+#include "simd_kernels.h"
 
 namespace raven_correction {
+namespace {
+
+constexpr Eigen::Index kPadding = 16;    // points that the loop may read past the last
+constexpr Eigen::Index kColumns = 32;    // of one block
+constexpr double kWorkForThreads = 1e5;  // pairs below which one thread is faster
+
+int threadsFor(double pairs) {
+  return pairs < kWorkForThreads || omp_in_parallel() ? 1 : omp_get_max_threads();
+}
+
+// One feature after the other, (n + kPadding) x d.
+Eigen::MatrixXd featureMajor(const Eigen::MatrixXd& points) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(points.cols() + kPadding, points.rows());
+  result.topRows(points.cols()) = points.transpose();
+  return result;
+}
+
+}  // namespace
 
 Eigen::MatrixXd scalePoints(const Eigen::MatrixXd& points, const Eigen::VectorXd& length_scales) {
   return length_scales.cwiseInverse().asDiagonal() * points;
@@ -12,26 +35,33 @@ Eigen::MatrixXd scalePoints(const Eigen::MatrixXd& points, const Eigen::VectorXd
 
 void kernelMatrix(KernelType type, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                   Eigen::MatrixXd& C) {
-  C.resize(a.cols(), b.cols());
-#pragma omp parallel for schedule(dynamic, 16)
-  for (Eigen::Index j = 0; j < b.cols(); ++j) {
-    for (Eigen::Index i = 0; i < a.cols(); ++i)
-      C(i, j) = correlation(type, (a.col(i) - b.col(j)).norm());
-  }
+  const Eigen::Index d = a.rows();
+  const Eigen::Index n = a.cols();
+  const Eigen::Index m = b.cols();
+  C.resize(n, m);
+  const Eigen::MatrixXd by_feature = featureMajor(a);
+  const SimdKernels& simd = simdKernels();
+  const int threads = threadsFor(double(n) * double(m));
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (Eigen::Index j = 0; j < m; j += kColumns)
+    simd.correlations(int(type), d, n, by_feature.data(), by_feature.rows(),
+                      std::min(kColumns, m - j), b.data() + j * d, d, C.data() + j * n, nullptr, n);
 }
 
 void kernelMatrixLower(KernelType type, const Eigen::MatrixXd& a, Eigen::MatrixXd& C,
                        Eigen::MatrixXd* G) {
-  C.resize(a.cols(), a.cols());
-  if (G != nullptr) G->resize(a.cols(), a.cols());
-#pragma omp parallel for schedule(dynamic, 16)
-  for (Eigen::Index j = 0; j < a.cols(); ++j) {
-    for (Eigen::Index i = j; i < a.cols(); ++i) {
-      const double r = (a.col(i) - a.col(j)).norm();
-      C(i, j) = correlation(type, r);
-      if (G != nullptr) (*G)(i, j) = correlationSlope(type, r);
-    }
-  }
+  const Eigen::Index d = a.rows();
+  const Eigen::Index n = a.cols();
+  C.resize(n, n);
+  if (G != nullptr) G->resize(n, n);
+  const Eigen::MatrixXd by_feature = featureMajor(a);
+  const SimdKernels& simd = simdKernels();
+  const int threads = threadsFor(0.5 * double(n) * double(n));
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (Eigen::Index j = 0; j < n; j += kColumns)
+    simd.correlations(int(type), d, n - j, by_feature.data() + j, by_feature.rows(),
+                      std::min(kColumns, n - j), a.data() + j * d, d, C.data() + j + j * n,
+                      G != nullptr ? G->data() + j + j * n : nullptr, n);
 }
 
 }  // namespace raven_correction

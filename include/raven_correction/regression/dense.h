@@ -34,6 +34,10 @@ void solveLower(Transpose transpose, DenseIndex n, DenseIndex columns, const dou
 /// L = L^-1 in place; the strict upper triangle is neither read nor written.
 void invertLower(DenseIndex n, double* l, DenseIndex ldl);
 
+/// B = op(L) B for n x columns B, in place.
+void multiplyLower(Transpose transpose, DenseIndex n, DenseIndex columns, const double* l,
+                   DenseIndex ldl, double* b, DenseIndex ldb);
+
 /// Lower triangle of (L L')^-1 = L^-T L^-1, given L^-1, in place.
 void multiplyInverseFactor(DenseIndex n, double* l_inverse, DenseIndex ld);
 

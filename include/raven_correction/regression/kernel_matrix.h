@@ -19,7 +19,7 @@ void kernelMatrix(KernelType type, const Eigen::MatrixXd& a, const Eigen::Matrix
                   Eigen::MatrixXd& C);
 
 /// Lower triangle of C(i, j) = c(|| a_i - a_j ||) and, unless null, of G(i, j) = g(|| a_i - a_j ||)
-/// (kernel.h). The strict upper triangles hold nothing.
+/// (kernel.h). What the strict upper triangles hold is not specified.
 void kernelMatrixLower(KernelType type, const Eigen::MatrixXd& a, Eigen::MatrixXd& C,
                        Eigen::MatrixXd* G);
 
