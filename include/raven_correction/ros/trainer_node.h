@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The trainer: services that learn, load, save and roll back models, progress meanwhile, and the
+// live model on a latched topic. What training does is evaluation/validated_training.h.
+#pragma once
+
+#include <raven_correction/LoadModel.h>
+#include <raven_correction/Retrain.h>
+#include <raven_correction/SaveModel.h>
+#include <raven_correction/TrainerProgress.h>
+#include <raven_correction/TrainingReport.h>
+#include <ros/ros.h>
+#include <std_srvs/Trigger.h>
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "raven_correction/evaluation/validated_training.h"
+#include "raven_correction/ros/params.h"
+
+namespace raven_correction {
+
+struct TrainerParams {
+  std::string data_directory = "~/raven_sessions";  ///< bags to learn from where none are named
+  std::string model_directory = "~/raven_models";   ///< where models are written
+  std::string configuration;  ///< trainer configuration; empty: config/trainer.yaml of the package
+  std::string model;          ///< model file to start with; empty: none
+};
+/// `~` at the start of a directory becomes $HOME.
+/// @throws InvalidInput  lists every problem
+TrainerParams loadTrainerParams(const ros::NodeHandle& nh);
+
+/// Services are called from several threads (AsyncSpinner); one training runs at a time.
+class TrainerNode {
+ public:
+  /// @throws InvalidInput  see loadTrainerParams(), loadTrainingConfig() and readModelFile()
+  TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
+
+ private:
+  bool onRetrain(Retrain::Request& request, Retrain::Response& response);
+  bool onRollback(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool onLoad(LoadModel::Request& request, LoadModel::Response& response);
+  bool onSave(SaveModel::Request& request, SaveModel::Response& response);
+
+  void retrain(const Retrain::Request& request, Retrain::Response& response);
+  std::vector<std::string> inputsOf(const Retrain::Request& request) const;
+  void goLive(const Correction& model);
+  void publishProgress(std::uint8_t state, const std::string& phase, double fraction,
+                       const std::string& message);
+  void publishReport(const ValidatedTraining& result, const Retrain::Response& response);
+
+  ros::NodeHandle nh_, private_nh_;
+  TrainerParams params_;
+  std::mutex training_mutex_;  // held while a training runs
+
+  // Guarded by mutex_.
+  std::mutex mutex_;
+  std::vector<Correction> live_;  // every model that went live, newest last
+  ros::SteadyTime started_;
+
+  ros::Publisher model_publisher_, progress_publisher_, report_publisher_;
+  // Declared last: their callbacks use everything above.
+  ros::ServiceServer retrain_service_, rollback_service_, load_service_, save_service_;
+};
+
+}  // namespace raven_correction

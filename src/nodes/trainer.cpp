@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Learns corrections from recorded sessions and publishes the live one (ros/trainer_node.h).
+#include <ros/ros.h>
+
+#include "raven_correction/error.h"
+#include "raven_correction/ros/trainer_node.h"
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "trainer");
+  try {
+    raven_correction::TrainerNode node(ros::NodeHandle(), ros::NodeHandle("~"));
+    ros::AsyncSpinner spinner(3);  // one may wait for a training; the others go on answering
+    spinner.start();
+    ros::waitForShutdown();
+  } catch (const raven_correction::InvalidInput& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+  return 0;
+}

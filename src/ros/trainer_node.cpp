@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/ros/trainer_node.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <thread>
+
+#include "raven_correction/error.h"
+#include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/offline.h"
+#include "raven_correction/ros/session_bag.h"
+#include "raven_correction/ros/topics.h"
+
+namespace raven_correction {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDegree = 180.0 / 3.14159265358979323846;
+
+std::string expandHome(const std::string& path) {
+  const char* const home = std::getenv("HOME");
+  if (path.empty() || path.front() != '~' || home == nullptr) return path;
+  return home + path.substr(1);
+}
+
+template <typename Array>
+void copyComponents(const ErrorSummary& summary, Array& position, Array& angle) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    position[static_cast<std::size_t>(k)] = summary.mean_abs(k);
+    angle[static_cast<std::size_t>(k)] = summary.mean_abs(3 + k);
+  }
+}
+
+}  // namespace
+
+TrainerParams loadTrainerParams(const ros::NodeHandle& nh) {
+  TrainerParams params;
+  ParamReader read(nh, "trainer");
+  read.text("data_directory", params.data_directory);
+  read.text("model_directory", params.model_directory);
+  read.text("configuration", params.configuration);
+  read.text("model", params.model);
+  read.refuseUnknownKeys();
+  read.throwIfAnyProblem();
+  ROS_INFO("%s", read.summary().c_str());
+  params.data_directory = expandHome(params.data_directory);
+  params.model_directory = expandHome(params.model_directory);
+  params.configuration = params.configuration.empty() ? packageFile("config/trainer.yaml")
+                                                      : expandHome(params.configuration);
+  params.model = expandHome(params.model);
+  return params;
+}
+
+TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
+    : nh_(nh), private_nh_(private_nh), params_(loadTrainerParams(private_nh)) {
+  loadTrainingConfig(params_.configuration);  // a mistake in it is better found now than later
+  model_publisher_ = nh_.advertise<CorrectionModel>(topics::kModel, 1, true);
+  progress_publisher_ = private_nh_.advertise<TrainerProgress>("progress", 10, true);
+  report_publisher_ = private_nh_.advertise<TrainingReport>("report", 1, true);
+  publishProgress(TrainerProgress::IDLE, "", 0.0, "waiting for ~retrain");
+  if (!params_.model.empty()) goLive(readModelFile(params_.model));
+  retrain_service_ = private_nh_.advertiseService("retrain", &TrainerNode::onRetrain, this);
+  rollback_service_ = private_nh_.advertiseService("rollback", &TrainerNode::onRollback, this);
+  load_service_ = private_nh_.advertiseService("load", &TrainerNode::onLoad, this);
+  save_service_ = private_nh_.advertiseService("save", &TrainerNode::onSave, this);
+  ROS_INFO("trainer: model on %s, retrain with %s", model_publisher_.getTopic().c_str(),
+           retrain_service_.getService().c_str());
+}
+
+void TrainerNode::publishProgress(std::uint8_t state, const std::string& phase, double fraction,
+                                  const std::string& message) {
+  TrainerProgress progress;
+  progress.header.stamp = ros::Time::now();
+  progress.state = state;
+  progress.phase = phase;
+  progress.fraction = fraction;
+  progress.message = message;
+  progress.time_left = -1.0;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double elapsed = (ros::SteadyTime::now() - started_).toSec();
+  if (state == TrainerProgress::RUNNING && fraction > 0.05)
+    progress.time_left = elapsed * (1.0 - fraction) / fraction;
+  progress_publisher_.publish(progress);
+}
+
+void TrainerNode::goLive(const Correction& model) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  live_.push_back(model);
+  model_publisher_.publish(modelToMsg(model));
+  ROS_INFO("trainer: model %s is live", model.id.c_str());
+}
+
+std::vector<std::string> TrainerNode::inputsOf(const Retrain::Request& request) const {
+  std::vector<std::string> inputs;
+  for (const std::string& bag : request.bags) {
+    const std::string path = expandHome(bag);
+    inputs.push_back(fs::path(path).is_relative() && !fs::exists(path)
+                         ? (fs::path(params_.data_directory) / path).string()
+                         : path);
+  }
+  if (!inputs.empty()) return inputs;
+  if (fs::is_directory(params_.data_directory))
+    for (const auto& entry : fs::directory_iterator(params_.data_directory))
+      if (entry.path().extension() == ".bag") inputs.push_back(entry.path().string());
+  if (inputs.empty())
+    throw InvalidInput(format("no bag in %s; record a session first, or name the bags in the call",
+                              params_.data_directory.c_str()));
+  std::sort(inputs.begin(), inputs.end());
+  return inputs;
+}
+
+void TrainerNode::publishReport(const ValidatedTraining& result,
+                                const Retrain::Response& response) {
+  TrainingReport report;
+  report.header.stamp = ros::Time::now();
+  report.header.frame_id = result.training.model.frame;
+  report.success = response.success;
+  report.message = response.message;
+  report.model = response.model;
+  report.live = response.live;
+  report.files = response.files;
+  report.delay = response.delay;
+  report.pairs_total = response.pairs_total;
+  report.pairs_kept = response.pairs_kept;
+  const FateCounts& fates = result.training.fates;
+  for (std::size_t i = 1; i < fates.count.size(); ++i) {
+    if (fates.count[i] == 0) continue;
+    report.rejection_reasons.push_back(fateName(static_cast<Fate>(i)));
+    report.rejection_counts.push_back(static_cast<std::uint32_t>(fates.count[i]));
+  }
+  report.trajectories_used =
+      static_cast<std::uint32_t>(result.training.model.training_trajectories);
+  report.held_out_pairs = static_cast<std::uint32_t>(result.full.n);
+  copyComponents(result.none, report.none_position, report.none_angle);
+  copyComponents(result.rigid, report.rigid_position, report.rigid_angle);
+  copyComponents(result.full, report.full_position, report.full_angle);
+  ErrorSummary live;
+  live.mean_abs.setConstant(std::numeric_limits<double>::quiet_NaN());
+  copyComponents(result.live.value_or(live), report.live_position, report.live_angle);
+  report.seconds = response.seconds;
+  report_publisher_.publish(report);
+}
+
+void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& response) {
+  publishProgress(TrainerProgress::RUNNING, "reading", 0.0, "");
+  const TrainingConfig config = loadTrainingConfig(
+      request.configuration.empty() ? params_.configuration : expandHome(request.configuration));
+  const Dataset dataset = readInputs(inputsOf(request));
+  Correction before;
+  bool has_before = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    has_before = !live_.empty();
+    if (has_before) before = live_.back();
+  }
+  const double now = static_cast<double>(ros::WallTime::now().sec);
+  const ValidatedTraining result = trainAndValidate(
+      dataset, config, has_before ? &before : nullptr, now,
+      [&](const std::string& phase, double fraction) {
+        publishProgress(TrainerProgress::RUNNING, phase, 0.05 + 0.9 * fraction, "");
+      });
+  const Correction& model = result.training.model;
+  response.model = model.id;
+  response.delay = model.delay;
+  response.pairs_total = static_cast<std::uint32_t>(result.training.fates.total());
+  response.pairs_kept = static_cast<std::uint32_t>(model.training_pairs);
+  response.position_before_mm = 1e3 * result.none.position_norm;
+  response.position_after_mm = 1e3 * result.full.position_norm;
+  response.angle_before_deg = kDegree * result.none.angle_norm;
+  response.angle_after_deg = kDegree * result.full.angle_norm;
+  response.message = result.verdict;
+  if (request.dry_run) {
+    response.success = true;
+    response.message += "; dry run: nothing written, nothing live";
+  } else {
+    publishProgress(TrainerProgress::RUNNING, "saving", 0.97, "");
+    const std::string file =
+        request.output.empty() ? (fs::path(params_.model_directory) / (model.id + ".bag")).string()
+                               : expandHome(request.output);
+    writeModelFile(model, file, false);
+    response.files.push_back(fs::absolute(file).string());
+    response.live = result.better || request.force;
+    response.success = true;
+    if (response.live)
+      goLive(model);
+    else
+      response.message += "; not better, so the model in use stays (force: true overrides)";
+  }
+  response.seconds = (ros::SteadyTime::now() - started_).toSec();
+  publishReport(result, response);
+}
+
+bool TrainerNode::onRetrain(Retrain::Request& request, Retrain::Response& response) {
+  const std::unique_lock<std::mutex> training(training_mutex_, std::try_to_lock);
+  if (!training.owns_lock()) {
+    response.message = "a training is running; see ~progress and call again when it has ended";
+    return true;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    started_ = ros::SteadyTime::now();
+  }
+  // A thread of its own, so that nothing the learning does (stack, thread pools) touches the
+  // spinner's; this call waits for it.
+  std::string failure;
+  std::thread worker([&] {
+    try {
+      retrain(request, response);
+    } catch (const std::exception& error) {
+      failure = error.what();
+    }
+  });
+  worker.join();
+  if (!failure.empty()) {
+    response.success = false;
+    response.message = failure;
+    TrainingReport report;
+    report.header.stamp = ros::Time::now();
+    report.message = failure;
+    report_publisher_.publish(report);
+  }
+  publishProgress(response.success ? TrainerProgress::SUCCEEDED : TrainerProgress::FAILED, "", 1.0,
+                  response.message);
+  ROS_INFO("trainer: %s", response.message.c_str());
+  return true;
+}
+
+bool TrainerNode::onRollback(std_srvs::Trigger::Request& /*request*/,
+                             std_srvs::Trigger::Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (live_.size() < 2) {
+    response.message = "there is no model before the one in use";
+    return true;
+  }
+  live_.pop_back();
+  model_publisher_.publish(modelToMsg(live_.back()));
+  response.success = true;
+  response.message = "model " + live_.back().id + " is live again";
+  ROS_INFO("trainer: %s", response.message.c_str());
+  return true;
+}
+
+bool TrainerNode::onLoad(LoadModel::Request& request, LoadModel::Response& response) {
+  try {
+    const Correction model = readModelFile(expandHome(request.file));
+    Predictor check(model);  // refuses what does not fit together
+    goLive(model);
+    response.success = true;
+    response.message = "model " + model.id + " is live";
+    response.model = model.id;
+  } catch (const InvalidInput& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool TrainerNode::onSave(SaveModel::Request& request, SaveModel::Response& response) {
+  Correction model;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (live_.empty()) {
+      response.message = "there is no live model to save; call ~retrain first";
+      return true;
+    }
+    model = live_.back();
+  }
+  try {
+    const std::string file =
+        request.file.empty() ? (fs::path(params_.model_directory) / (model.id + ".bag")).string()
+                             : expandHome(request.file);
+    writeModelFile(model, file, request.overwrite);
+    response.success = true;
+    response.file = fs::absolute(file).string();
+    response.message = "model " + model.id + " written";
+  } catch (const InvalidInput& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+}  // namespace raven_correction
