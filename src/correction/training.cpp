@@ -167,14 +167,20 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
     Eigen::MatrixXd x(static_cast<Eigen::Index>(kept.size()), features);
     Eigen::MatrixXd y(static_cast<Eigen::Index>(kept.size()), 6);
     Eigen::VectorXd row(features);
+    std::vector<int> groups;  // a motion is seen or left out whole
     for (std::size_t k = 0; k < kept.size(); ++k) {
       const auto r = static_cast<Eigen::Index>(k);
       computeFeatures(pairs.motions[kept[k]], model.rigid, model.mean_orientation,
                       twistCount(config.motion), row.data());
       x.row(r) = row.transpose();
+      groups.push_back(static_cast<int>(pairs.samples[kept[k]].trajectory));
       y.row(r) = correctionBetween(model.rigid * rigid.from[k], rigid.to[k]).transpose();
     }
-    GpFit process = fitGp(x, y, config.process);
+    GpConfig process_config = config.process;
+    if (config.tie_vectors)
+      for (int j = 0; j < static_cast<int>(features); ++j)
+        process_config.feature_blocks.push_back(j / 3);
+    GpFit process = fitGp(x, y, process_config, groups);
     model.process = std::move(process.model);
     result.process = std::move(process.report);
   }

@@ -61,7 +61,11 @@ void readProcess(YamlReader yaml, TrainingConfig& config) {
   GpConfig& process = config.process;
   yaml.flag("enabled", config.process_enabled);
   choose(yaml, "kernel", process.kernel, kKernels);
-  yaml.flag("ard", process.ard);
+  int lengths = 2;
+  yaml.choice("length_scales", lengths, {"common", "per_vector", "per_feature"});
+  process.ard = lengths > 0;
+  config.tie_vectors = lengths == 1;
+  choose(yaml, "criterion", process.criterion, {"likelihood", "validation"});
   choose(yaml, "mean", process.mean, kMeans);
   choose(yaml, "backend", process.backend, kBackends);
   int grouping = 2;

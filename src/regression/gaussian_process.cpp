@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "raven_correction/error.h"
 #include "raven_correction/regression/hyperparameters.h"
@@ -68,8 +69,8 @@ void checkConfig(const GpConfig& config) {
 
 }  // namespace
 
-GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets,
-            const GpConfig& config) {
+GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, const GpConfig& config,
+            const std::vector<int>& row_groups) {
   if (features.rows() == 0 || features.cols() == 0 || targets.cols() == 0)
     throw InvalidInput(
         format("features are %td x %td and targets have %td columns; at least one "
@@ -81,6 +82,11 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets,
   checkFinite(features, "features");
   checkFinite(targets, "targets");
   checkConfig(config);
+  if (!row_groups.empty() && Eigen::Index(row_groups.size()) != features.rows())
+    throw InvalidInput(format("%zu row groups for %td rows; give one number per row, or none",
+                              row_groups.size(), features.rows()));
+  const bool validates = config.criterion == HyperCriterion::kValidation &&
+                         std::set<int>(row_groups.begin(), row_groups.end()).size() >= 3;
 
   const Eigen::MatrixXd points = features.transpose();
   const Eigen::Index n = points.cols();
@@ -103,8 +109,14 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets,
     problem.kernel = config.kernel;
     problem.mean = config.mean;
     problem.ard = config.ard;
-    problem.points = selectColumns(points, hyper_rows);
-    problem.targets = selectRows(group_targets, hyper_rows);
+    problem.points = validates ? points : selectColumns(points, hyper_rows);
+    problem.targets = validates ? group_targets : selectRows(group_targets, hyper_rows);
+    if (validates) {
+      problem.criterion = HyperCriterion::kValidation;
+      problem.row_groups = row_groups;
+      problem.feature_blocks = config.feature_blocks;
+      problem.max_validation_rows = config.max_hyper_points;
+    }
     problem.restarts = config.restarts;
     problem.log_length_prior = config.log_length_prior;
     problem.seed = config.seed;

@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <random>
 #include <vector>
 
 #include "raven_correction/error.h"
+#include "raven_correction/regression/grouped_validation.h"
 #include "raven_correction/regression/marginal_likelihood.h"
 
 namespace raven_correction {
@@ -68,31 +71,19 @@ Normalised normalise(const HyperParameterProblem& problem) {
   return result;
 }
 
-// Negative log posterior per target value, remembering the best point it has seen.
+// A criterion to be minimised, remembering the best point it has seen.
 class Objective {
  public:
-  Objective(MarginalLikelihood& likelihood, double scale, double prior_deviation,
-            Eigen::VectorXd prior_centre)
-      : likelihood_(likelihood),
-        scale_(scale),
-        prior_deviation_(prior_deviation),
-        prior_centre_(std::move(prior_centre)) {}
+  using Criterion = std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd& gradient)>;
+  explicit Objective(Criterion criterion) : criterion_(std::move(criterion)) {}
 
   double operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
     ++evaluations;
-    double value = likelihood_.evaluate(x, &gradient);
+    const double value = criterion_(x, gradient);
     if (!std::isfinite(value)) {  // a line search shortens its step on a large value
       gradient.setZero(x.size());
       return 1e10;
     }
-    if (prior_deviation_ > 0.0) {
-      const Eigen::Index lengths = x.size() - 1;
-      const Eigen::VectorXd z = (x - prior_centre_).head(lengths) / prior_deviation_;
-      value -= 0.5 * z.squaredNorm();
-      gradient.head(lengths) -= z / prior_deviation_;
-    }
-    gradient *= -scale_;
-    value *= -scale_;
     if (value < best_value) {
       best_value = value;
       best = x;
@@ -105,11 +96,26 @@ class Objective {
   int evaluations = 0;
 
  private:
-  MarginalLikelihood& likelihood_;
-  double scale_;
-  double prior_deviation_;
-  Eigen::VectorXd prior_centre_;
+  Criterion criterion_;
 };
+
+// Negative log posterior per target value; the prior is on the log length scales.
+Objective::Criterion negativePosterior(MarginalLikelihood& likelihood, double scale,
+                                       double prior_deviation,
+                                       const Eigen::VectorXd& prior_centre) {
+  return [&likelihood, scale, prior_deviation, prior_centre](const Eigen::VectorXd& x,
+                                                             Eigen::VectorXd& gradient) {
+    double value = likelihood.evaluate(x, &gradient);
+    if (prior_deviation > 0.0) {
+      const Eigen::Index lengths = x.size() - 1;
+      const Eigen::VectorXd z = (x - prior_centre).head(lengths) / prior_deviation;
+      value -= 0.5 * z.squaredNorm();
+      gradient.head(lengths) -= z / prior_deviation;
+    }
+    gradient *= -scale;
+    return -scale * value;
+  };
+}
 
 Eigen::VectorXd startOf(const HyperParameterProblem& problem, const Normalised& data,
                         int& evaluations) {
@@ -187,7 +193,76 @@ SearchEnd search(Objective& objective, Eigen::VectorXd x, const Eigen::VectorXd&
 
 }  // namespace
 
+namespace {
+
+// Grouped validation: a weak pull of the log length scales keeps those finite that do not matter.
+constexpr double kTypicalLength = 5.0;  // in standard deviations of the feature
+constexpr double kLogLengthSpread = 1.5;
+constexpr double kPullWeight = 0.002;  // against an error of about 0.1
+constexpr double kStartNoiseRatio = 0.02;
+
+HyperParameterResult learnByValidation(const HyperParameterProblem& problem) {
+  const Normalised data = normalise(problem);
+  GroupedValidation::Options options;
+  options.kernel = problem.kernel;
+  options.max_rows = problem.max_validation_rows;
+  options.seed = problem.seed;
+  // Blocks of the features that vary, numbered without gaps.
+  std::map<int, int> numbers;
+  for (const Eigen::Index j : data.active) {
+    const int block = !problem.ard                     ? 0
+                      : problem.feature_blocks.empty() ? int(j)
+                                                       : problem.feature_blocks[std::size_t(j)];
+    options.blocks.push_back(numbers.emplace(block, int(numbers.size())).first->second);
+  }
+  GroupedValidation validation(options, data.points, data.targets, problem.row_groups);
+  const Eigen::Index lengths = validation.parameters() - 1;
+  const auto criterion = [&](const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
+    const Eigen::VectorXd z =
+        (x.head(lengths).array() - std::log(kTypicalLength)) / kLogLengthSpread;
+    const double pull = kPullWeight / double(lengths);
+    const double value = validation.evaluate(x, &gradient) + pull * z.squaredNorm();
+    gradient.head(lengths) += 2.0 * pull / kLogLengthSpread * z;
+    return value;
+  };
+  Eigen::VectorXd start = Eigen::VectorXd::Constant(lengths + 1, std::log(kTypicalLength));
+  start(lengths) = std::log(kStartNoiseRatio);
+  Eigen::VectorXd lower = Eigen::VectorXd::Constant(lengths + 1, -2.0);
+  Eigen::VectorXd upper = Eigen::VectorXd::Constant(lengths + 1, 6.0);
+  lower(lengths) = std::log(1e-5);
+  upper(lengths) = std::log(10.0);
+  Objective objective(criterion);
+  const SearchEnd end =
+      search(objective, start, lower, upper, std::min(40, problem.max_iterations));
+  const Eigen::VectorXd best = objective.best.size() > 0 ? objective.best : start;
+
+  HyperParameterResult result;
+  result.converged = end.converged;
+  result.message = end.message;
+  result.iterations = end.iterations;
+  result.evaluations = objective.evaluations;
+  result.length_scales = 1e3 * data.unit;  // of features that are constant: they hardly matter
+  for (std::size_t a = 0; a < data.active.size(); ++a)
+    result.length_scales(data.active[a]) =
+        data.unit(data.active[a]) * std::exp(best(options.blocks[a]));
+  result.signal_variance =
+      validation.signalVariance(best).cwiseProduct(data.target_unit.cwiseAbs2());
+  result.noise_variance = std::exp(best(lengths)) * result.signal_variance;
+  result.mean_weights.setZero(1 + problem.points.rows(), problem.targets.cols());
+  result.log_marginal_likelihood = std::numeric_limits<double>::quiet_NaN();
+  return result;
+}
+
+}  // namespace
+
 HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) {
+  if (problem.criterion == HyperCriterion::kValidation) {
+    if (problem.mean != MeanType::kZero)
+      throw InvalidInput(
+          "grouped validation learns processes with mean zero only; set mean: zero, "
+          "or choose the marginal likelihood");
+    return learnByValidation(problem);
+  }
   const Eigen::Index d = problem.points.rows();
   const Eigen::Index n = problem.points.cols();
   const Eigen::Index q = problem.targets.cols();
@@ -215,7 +290,8 @@ HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) 
       if (restart > 0)
         for (double& value : x) value += normal(engine);
       x = x.cwiseMax(lower).cwiseMin(upper);
-      Objective objective(likelihood, 1.0 / double(n * q), problem.log_length_prior, start);
+      Objective objective(
+          negativePosterior(likelihood, 1.0 / double(n * q), problem.log_length_prior, start));
       const SearchEnd end = search(objective, x, lower, upper, problem.max_iterations);
       result.evaluations += objective.evaluations;
       if (objective.best.size() > 0 && objective.best_value < best_value) {

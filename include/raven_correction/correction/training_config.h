@@ -31,6 +31,9 @@ struct TrainingConfig {
 
   bool process_enabled = true;  ///< false: the model is the rigid transform alone
   GpConfig process;
+  /// The three components of a position, rotation vector, v or w share a length scale (kValidation
+  /// with process.ard only).
+  bool tie_vectors = false;
 
   double workspace_margin = 0.05;  ///< see TrustRegion [m]
   double fade_start = 0.8;         ///< see TrustRegion [-]

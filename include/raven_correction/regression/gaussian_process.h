@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/regression/hyperparameters.h"
 #include "raven_correction/regression/kernel.h"
 #include "raven_correction/regression/mean_function.h"
 
@@ -18,7 +19,9 @@ enum class GpBackend { kExact, kSparse };
 
 struct GpConfig {
   KernelType kernel = KernelType::kMatern32;
-  bool ard = true;  ///< one length scale per feature; false: one for all
+  bool ard = true;                  ///< one length scale per feature; false: one for all
+  std::vector<int> feature_blocks;  ///< see HyperParameterProblem
+  HyperCriterion criterion = HyperCriterion::kLikelihood;
   MeanType mean = MeanType::kZero;
   GpBackend backend = GpBackend::kSparse;
   /// Outputs that share a kernel: length scales and the ratio of noise to signal variance are
@@ -79,8 +82,10 @@ struct GpFit {
 /// Learns hyper-parameters by maximum log marginal likelihood, then the posterior.
 /// @param features  n x d, any units
 /// @param targets   n x q
+/// @param row_groups  n numbers, or empty: rows with equal numbers belong together (one motion);
+///        needed for HyperCriterion::kValidation, which falls back to the likelihood below 3 groups
 /// @throws InvalidInput  n = 0, sizes differ, or a value is not finite (the text has row, column)
-GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets,
-            const GpConfig& config);
+GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, const GpConfig& config,
+            const std::vector<int>& row_groups = {});
 
 }  // namespace raven_correction

@@ -6,11 +6,18 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "raven_correction/regression/kernel.h"
 #include "raven_correction/regression/mean_function.h"
 
 namespace raven_correction {
+
+/// What the hyper-parameters are chosen for.
+enum class HyperCriterion {
+  kLikelihood,  ///< largest log marginal likelihood (marginal_likelihood.h)
+  kValidation,  ///< smallest error on groups of rows left out (grouped_validation.h)
+};
 
 struct HyperParameterProblem {
   KernelType kernel = KernelType::kMatern32;
@@ -18,7 +25,13 @@ struct HyperParameterProblem {
   bool ard = true;          ///< one length scale per feature; false: one for all
   Eigen::MatrixXd points;   ///< d x n, any units
   Eigen::MatrixXd targets;  ///< n x q: outputs that share length scales and noise ratio
-  int restarts = 1;         ///< searches; the first from the best of a grid, others random
+  HyperCriterion criterion = HyperCriterion::kLikelihood;
+  std::vector<int> row_groups;  ///< n, kValidation: rows with equal numbers belong together
+  /// d, kValidation with ard: features with equal numbers share a length scale (in units of their
+  /// own standard deviations); empty: each has its own.
+  std::vector<int> feature_blocks;
+  int max_validation_rows = 700;  ///< kValidation: rows on either side of a fold
+  int restarts = 1;               ///< searches; the first from the best of a grid, others random
   int max_iterations = 200;
   /// Standard deviation of a normal prior on each log length scale (in units of the feature's
   /// standard deviation) about the start; 0: none.
@@ -39,13 +52,16 @@ struct HyperParameterResult {
   int evaluations = 0;  ///< of all
 };
 
-/// Maximum of the log marginal likelihood by L-BFGS-B on log parameters.
+/// Maximum of the log marginal likelihood, or minimum of the grouped validation error, by L-BFGS-B
+/// on log parameters. With kValidation the mean function is zero, and the signal variances
+/// are those that make intervals honest on the rows left out.
 ///
 /// Features are centred and divided by their standard deviation (one common scale unless ARD),
 /// targets by their root mean square; a feature that is constant takes no part. Starts: the best,
 /// on up to 256 rows, of four length scales around sqrt(d) and three noise ratios. Bounds: length
 /// scales 1e-2 to 1e4 deviations, noise ratio 1e-8 to 1e3. A search that stops early is data
 /// (`converged`, `message`), and its best point is used.
+/// @throws InvalidInput  kValidation with another mean than zero, or see GroupedValidation
 HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem);
 
 }  // namespace raven_correction
