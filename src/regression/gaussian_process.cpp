@@ -139,9 +139,17 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
       const std::vector<Eigen::Index> inducing = chooseInducingPoints(
           config.kernel, scalePoints(points, group.length_scales), config.inducing_points,
           kCandidatesPerPoint * Eigen::Index(config.inducing_points), config.seed);
-      SparseStatistics statistics(group, selectColumns(points, inducing));
+      // Noise that was validated for a few hundred rows of correlated motions would be taken for
+      // independent in every one of many thousand: each row counts for its share only.
+      const double share =
+          learnt.rows_validated > 0 ? double(learnt.rows_validated) / double(n) : 1.0;
+      GpGroup weighted = group;
+      weighted.noise_variance /= share;
+      SparseStatistics statistics(weighted, selectColumns(points, inducing));
       statistics.update(points, group_targets, 1.0);
-      group = statistics.posterior();
+      weighted = statistics.posterior();
+      weighted.noise_variance = group.noise_variance;
+      group = weighted;
       jitter = statistics.jitter();
     }
     fit.report.seconds_posterior += secondsSince(start);
