@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the node `recorder`: from the parameter server, and as text for the bag.
+#include <yaml-cpp/yaml.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "raven_correction/ros/params.h"
+#include "raven_correction/ros/pose_subscription.h"
+#include "raven_correction/ros/recorder.h"
+
+namespace raven_correction {
+
+std::string expandHome(const std::string& path) {
+  const char* const home = std::getenv("HOME");
+  std::string expanded = path;
+  for (const std::string& prefix : {std::string("~"), std::string("$HOME")}) {
+    const bool alone = path == prefix;
+    const bool leads = path.compare(0, prefix.size() + 1, prefix + "/") == 0;
+    if (home != nullptr && (alone || leads)) expanded = home + path.substr(prefix.size());
+  }
+  return std::filesystem::absolute(expanded).lexically_normal().string();
+}
+
+RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
+  RecorderParams params;
+  params.directory = "~/raven_sessions";
+  std::vector<std::string> mocap_types = poseTypes();
+  mocap_types.insert(mocap_types.begin(), "same");
+  ParamReader read(nh, "recorder");
+  read.text("directory", params.directory);
+  read.flag("auto_start", params.auto_start);
+  read.requiredText("base_frame", params.base_frame, "give the frame of servo_cp, e.g. 0_link");
+  read.oneOf("pose_type", params.pose_type, poseTypes());
+  read.oneOf("mocap_pose_type", params.mocap_pose_type, mocap_types);
+  read.text("mocap_frame", params.mocap_frame);
+  read.oneOf("mocap_stamp", params.mocap_stamp, {"header", "receipt"});
+  read.number("max_gap", params.pairs.max_gap, 0.0, 10.0);
+  read.positive("max_gap_periods", params.pairs.max_gap_periods, 100.0);
+  read.positive("pair_horizon", params.pairs.horizon, 60.0);
+  read.number("split_size_mb", params.split_size_mb, 0.0, 1e6);
+  read.number("split_duration", params.split_duration, 0.0, 1e6);
+  read.number("min_free_mb", params.min_free_mb, 0.0, 1e6);
+  read.integer("queue_size", params.queue_size, 1000, 10000000);
+  read.integer("subscriber_queue", params.subscriber_queue, 100, 1000000);
+  read.refuseUnknownKeys({"diagnostic_period"});
+  read.throwIfAnyProblem();
+  params.directory = expandHome(params.directory);
+  params.base_frame = withoutSlash(params.base_frame);
+  if (params.mocap_pose_type == "same") params.mocap_pose_type = params.pose_type;
+  ROS_INFO_STREAM(read.summary());
+  return params;
+}
+
+std::string recorderParametersYaml(const RecorderParams& params) {
+  YAML::Emitter out;
+  out << YAML::BeginMap;
+  const auto add = [&out](const char* key, const auto& value) {
+    out << YAML::Key << key << YAML::Value << value;
+  };
+  add("package", "raven_correction");
+  add("version", RAVEN_CORRECTION_VERSION);
+  add("directory", params.directory);
+  add("auto_start", params.auto_start);
+  add("base_frame", params.base_frame);
+  add("pose_type", params.pose_type);
+  add("mocap_pose_type", params.mocap_pose_type);
+  add("mocap_frame", params.mocap_frame);
+  add("mocap_stamp", params.mocap_stamp);
+  add("max_gap", params.pairs.max_gap);
+  add("max_gap_periods", params.pairs.max_gap_periods);
+  add("pair_horizon", params.pairs.horizon);
+  add("split_size_mb", params.split_size_mb);
+  add("split_duration", params.split_duration);
+  add("min_free_mb", params.min_free_mb);
+  add("queue_size", params.queue_size);
+  add("subscriber_queue", params.subscriber_queue);
+  out << YAML::EndMap;
+  return std::string(out.c_str()) + "\n";
+}
+
+}  // namespace raven_correction
