@@ -9,6 +9,6 @@ foreach(source ${bench_sources})
   add_executable(${target} EXCLUDE_FROM_ALL ${source})
   set_target_properties(${target} PROPERTIES
     OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/bench)
-  target_link_libraries(${target} ${libraries} CLI11::CLI11 nlohmann_json::nlohmann_json
+  target_link_libraries(${target} ${own_libraries} CLI11::CLI11 nlohmann_json::nlohmann_json
     OpenMP::OpenMP_CXX $<TARGET_NAME_IF_EXISTS:benchmark::benchmark>)
 endforeach()

@@ -80,9 +80,9 @@ if(CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR)
     COMMAND "${PYTHON_EXECUTABLE} ${lint}/test_lint.py --gtest_output=xml:${results}/lint_rules.xml")
   catkin_run_tests_target(lint all lint.xml
     COMMAND "${PYTHON_EXECUTABLE} ${lint}/lint.py --build ${CMAKE_BINARY_DIR} --results ${results}/lint.xml"
-    DEPENDENCIES ${libraries} ${node_targets})
+    DEPENDENCIES ${own_libraries} ${node_targets})
   set(package_test ${PROJECT_SOURCE_DIR}/test/package/test_package.py)
   catkin_run_tests_target(package all package.xml
     COMMAND "${CMAKE_COMMAND} -E env RAVEN_BUILD=${CMAKE_BINARY_DIR} ${PYTHON_EXECUTABLE} ${package_test} --gtest_output=xml:${results}/package.xml"
-    DEPENDENCIES ${libraries} ${node_targets})
+    DEPENDENCIES ${own_libraries} ${node_targets})
 endif()
