@@ -127,17 +127,24 @@ std::unique_ptr<Effect> readEffect(YamlReader& reader, const KinematicChain& rob
   return effect;
 }
 
-void readMotionCapture(YamlReader reader, MotionCaptureConfig& config) {
-  for (const MotionCaptureField& field : motionCaptureFields())
-    reader.number(field.key, config.*field.value, field.lower, field.upper);
-  reader.refuseUnknownKeys();
-}
-
 void readVector(YamlReader& reader, const char* key, Eigen::Vector3d& value, double lower,
                 double upper) {
   Eigen::VectorXd read = value;
   reader.numbers(key, read, lower, upper);
   value = read;
+}
+
+void readMotionCapture(YamlReader reader, MotionCaptureConfig& config) {
+  for (const MotionCaptureField& field : motionCaptureFields())
+    reader.number(field.key, config.*field.value, field.lower, field.upper);
+  YamlReader rig = reader.section("rig");
+  readVector(rig, "centre", config.rig.centre, -2.0, 2.0);
+  readVector(rig, "led_direction", config.rig.led_direction, -1.0, 1.0);
+  readVector(rig, "remote_centre", config.rig.remote_centre, -1.0, 1.0);
+  for (const CameraRigField& field : cameraRigFields())
+    rig.number(field.key, config.rig.*field.value, field.lower, field.upper);
+  rig.refuseUnknownKeys();
+  reader.refuseUnknownKeys();
 }
 
 void readDebridement(YamlReader reader, DebridementConfig& config) {
@@ -262,6 +269,12 @@ void saveSimulationConfig(const SimulationConfig& config, const std::string& pat
   for (const MotionCaptureField& field : motionCaptureFields())
     text +=
         std::string("  ") + field.key + ": " + number(config.motion_capture.*field.value) + "\n";
+  const CameraRigConfig& rig = config.motion_capture.rig;
+  text += "  rig:\n    centre: " + vectorText(rig.centre) +
+          "\n    led_direction: " + vectorText(rig.led_direction) +
+          "\n    remote_centre: " + vectorText(rig.remote_centre) + "\n";
+  for (const CameraRigField& field : cameraRigFields())
+    text += std::string("    ") + field.key + ": " + number(rig.*field.value) + "\n";
   const DebridementConfig& d = config.debridement;
   text += "debridement:\n  field_centre: " + vectorText(d.field_centre) +
           "\n  field_size: " + vectorText(d.field_size) +

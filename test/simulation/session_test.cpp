@@ -25,7 +25,9 @@ bool equal(const Dataset& a, const Dataset& b) {
 }
 
 TEST(Session, HoldsCompleteTrajectoriesInOrder) {
-  const Dataset session = simulateSession(shippedSimulation("raven2_left_case2014"), 12, 3);
+  const SimulationConfig config = shippedSimulation("raven2_left_case2014");
+  const double frames_per_second = config.motion_capture.rate;
+  const Dataset session = simulateSession(config, 12, 3);
   ASSERT_EQ(session.trajectories.size(), 12u);
   double last = 0.0;
   for (const Trajectory& trajectory : session.trajectories) {
@@ -33,7 +35,8 @@ TEST(Session, HoldsCompleteTrajectoriesInOrder) {
     last = trajectory.commands.back().stamp;
     const double duration = last - trajectory.commands.front().stamp;
     EXPECT_NEAR(static_cast<double>(trajectory.encoders.size()), 50.0 * duration, 2.0);
-    EXPECT_GT(static_cast<double>(trajectory.observations.size()), 0.5 * 120.0 * duration);
+    EXPECT_GT(static_cast<double>(trajectory.observations.size()),
+              0.5 * frames_per_second * duration);
     EXPECT_EQ(trajectory.encoders.size(), trajectory.joint_observations.samples.size());
     EXPECT_EQ(trajectory.commands.size(), trajectory.joint_commands.samples.size());
     EXPECT_EQ(trajectory.joint_commands.names.size(), 6u);

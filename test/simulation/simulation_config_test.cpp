@@ -39,6 +39,15 @@ TEST(SimulationConfig, EveryShippedFileLoads) {
   }
 }
 
+TEST(SimulationConfig, EveryEffectHasAnExample) {
+  for (const std::string& name : effectNames()) {
+    const SimulationConfig config = shippedSimulation("effect_" + name);
+    ASSERT_EQ(config.effects.size(), 1u) << name;
+    EXPECT_EQ(config.effects[0]->name(), name);
+    EXPECT_FALSE(parameterVector(config).isZero());
+  }
+}
+
 TEST(SimulationConfig, SavedFileIsTheSameSimulation) {
   const std::string path = testing::TempDir() + "raven_correction_simulation.yaml";
   for (const std::string& file : shippedFiles()) {
