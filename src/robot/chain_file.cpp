@@ -76,6 +76,7 @@ KinematicChain loadKinematicChain(const std::string& path) {
   std::vector<Joint> joints;
   for (YamlReader& row : reader.list("joints")) joints.push_back(readJoint(row));
   if (joints.empty()) reader.problem("joints", "missing; one list entry per joint, base first");
+  if (reader.has("transmission")) reader.section("transmission");  // loadCableCoupling() reads it
   reader.refuseUnknownKeys();
   reader.throwIfAnyProblem();
   try {
