@@ -188,7 +188,9 @@ TEST(SessionWriter, LeavesABagThatReindexMakesReadableWhenKilled) {
   ASSERT_TRUE(WIFSIGNALED(status));
   const std::string killed = path + ".bag.active";
   ASSERT_TRUE(fs::exists(killed));
-  ASSERT_EQ(std::system(("PATH=/usr/bin:$PATH rosbag reindex -q -f " + killed + " > /dev/null").c_str()), 0);
+  ASSERT_EQ(
+      std::system(("PATH=/usr/bin:$PATH rosbag reindex -q -f " + killed + " > /dev/null").c_str()),
+      0);
   const auto recovered = contents(killed, "large");
   // Of 3 MB at most the last chunk is lost: 768 KB, and the message that did not fit it.
   EXPECT_GE(recovered.size(), 30u - 9u);

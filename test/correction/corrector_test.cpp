@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/correction/corrector.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <limits>
+#include <thread>
+
+#include "raven_correction/error.h"
+#include "support/allocation_guard.h"
+#include "support/simple_model.h"
+
+namespace raven_correction {
+namespace {
+
+CorrectorLimits looseLimits() {
+  CorrectorLimits limits;
+  limits.max_translation_rate = 10.0;  // reaches any correction of these tests in one command
+  limits.max_rotation_rate = 100.0;
+  return limits;
+}
+
+bool same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
+
+/// A slow motion inside the trained region.
+Pose inside(int i) { return {{1e-4 * i, 0.01, -0.01}, expRotation({0.02, 0.0, 1e-4 * i})}; }
+
+double stampOf(int i) { return 100.0 + 0.02 * i; }
+
+class CorrectorTest : public ::testing::Test {
+ protected:
+  CorrectorOutput send(Corrector& corrector, int i) {
+    return corrector.correct(stampOf(i), stampOf(i), inside(i), false);
+  }
+  const Correction model_ = simpleModel();
+};
+
+TEST_F(CorrectorTest, WithoutAModelOrOffThePoseIsUnchangedBitForBit) {
+  Corrector corrector(looseLimits());
+  EXPECT_EQ(send(corrector, 0).code, CorrectorCode::kPassedOff);
+  corrector.setMode(CorrectorMode::kFull);
+  CorrectorOutput output = send(corrector, 1);
+  EXPECT_EQ(output.code, CorrectorCode::kPassedNoModel);
+  EXPECT_TRUE(same(output.command, inside(1)));
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kOff);
+  output = send(corrector, 2);
+  EXPECT_EQ(output.code, CorrectorCode::kPassedOff);
+  EXPECT_TRUE(same(output.command, inside(2)));
+}
+
+TEST_F(CorrectorTest, TheFullCorrectionIsThatOfThePredictor) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  const Predictor predictor(model_);
+  const auto workspace = predictor.makeWorkspace();
+  MotionEstimator estimator(model_.motion);
+  for (int i = 0; i < 20; ++i) {
+    const CorrectorOutput output = send(corrector, i);
+    estimator.push(stampOf(i), inside(i));
+    const Prediction expected = predictor.predict(estimator.motion(), *workspace);
+    EXPECT_EQ(output.code, CorrectorCode::kCorrected);
+    EXPECT_LT((output.command.p - expected.command.p).norm(), 1e-12);
+    EXPECT_LT(rotationAngle(output.command.q, expected.command.q), 1e-12);
+    EXPECT_EQ(*output.model, "simple");
+    EXPECT_GT(output.sd_position.minCoeff(), 0.0);
+  }
+}
+
+TEST_F(CorrectorTest, RigidModeIsTheRigidStepAlone) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kRigid);
+  const CorrectorOutput output = send(corrector, 0);
+  EXPECT_EQ(output.code, CorrectorCode::kRigidOnly);
+  EXPECT_LT((output.command.p - (model_.rigid * inside(0)).p).norm(), 1e-12);
+}
+
+TEST_F(CorrectorTest, EndpointModeCorrectsEndpointsOnly) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kEndpoint);
+  EXPECT_EQ(corrector.correct(1.0, 1.0, inside(0), true).code, CorrectorCode::kCorrected);
+  const CorrectorOutput between = corrector.correct(1.02, 1.02, inside(1), false);
+  EXPECT_EQ(between.code, CorrectorCode::kPassedBetweenEndpoints);
+  EXPECT_TRUE(same(between.command, inside(1)));
+}
+
+TEST_F(CorrectorTest, EveryBadInputIsRefusedWithItsCodeAndChangesNothing) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  for (int i = 0; i < 10; ++i) send(corrector, i);
+  const double t = stampOf(10);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto code = [&](double stamp, double now, const Pose& pose) {
+    return corrector.correct(stamp, now, pose, false).code;
+  };
+  Pose bad = inside(10);
+  bad.p.x() = kNan;
+  EXPECT_EQ(code(t, t, bad), CorrectorCode::kRefusedNotFinite);
+  bad = inside(10);
+  bad.q.w() = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(code(t, t, bad), CorrectorCode::kRefusedNotFinite);
+  EXPECT_EQ(code(kNan, t, inside(10)), CorrectorCode::kRefusedNotFinite);
+  bad = inside(10);
+  bad.q.coeffs() *= 1.01;
+  EXPECT_EQ(code(t, t, bad), CorrectorCode::kRefusedNotUnit);
+  EXPECT_EQ(code(0.0, t, inside(10)), CorrectorCode::kRefusedZeroStamp);
+  EXPECT_EQ(code(t, t + 0.51, inside(10)), CorrectorCode::kRefusedStale);
+  EXPECT_EQ(code(t, t - 0.51, inside(10)), CorrectorCode::kRefusedFuture);
+  EXPECT_EQ(code(t, kNan, inside(10)), CorrectorCode::kRefusedStale);
+  EXPECT_EQ(code(stampOf(9), t, inside(10)), CorrectorCode::kRefusedTimeBackwards);
+  EXPECT_EQ(code(stampOf(5), t, inside(10)), CorrectorCode::kRefusedTimeBackwards);
+
+  Corrector undisturbed(looseLimits());
+  undisturbed.setModel(model_);
+  undisturbed.setMode(CorrectorMode::kFull);
+  for (int i = 0; i < 10; ++i) send(undisturbed, i);
+  EXPECT_TRUE(same(send(corrector, 10).command, send(undisturbed, 10).command));
+}
+
+TEST_F(CorrectorTest, SizeIsLimitedAndSaysSo) {
+  CorrectorLimits limits = looseLimits();
+  limits.max_translation = 0.004;
+  limits.max_rotation = 0.02;
+  Corrector corrector(limits);
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  for (int i = 0; i < 5; ++i) {
+    const CorrectorOutput output = send(corrector, i);
+    EXPECT_EQ(output.code, CorrectorCode::kCorrectedLimited);
+    EXPECT_LE((output.command.p - inside(i).p).norm(), 0.004 + 1e-12);
+    EXPECT_LE(rotationAngle(output.command.q, inside(i).q), 0.02 + 1e-12);
+  }
+}
+
+TEST_F(CorrectorTest, StepsAreLimitedThroughSwapsOfModelAndMode) {
+  CorrectorLimits limits;
+  limits.max_translation_rate = 0.1;
+  limits.max_rotation_rate = 1.0;
+  Corrector corrector(limits);
+  Correction other = model_;
+  other.id = "other";
+  other.rigid.p.x() += 0.02;
+  Pose last_desired = inside(0), last_command = last_desired;
+  for (int i = 0; i < 400; ++i) {
+    if (i == 20) corrector.setMode(CorrectorMode::kFull);
+    if (i == 40) corrector.setModel(model_);
+    if (i == 120) corrector.setModel(other);
+    if (i == 200) corrector.setMode(CorrectorMode::kRigid);
+    if (i == 260) corrector.setMode(CorrectorMode::kOff);
+    const CorrectorOutput output = send(corrector, i);
+    // The command moves with the desired pose, plus at most the rate times the interval. The first
+    // pose of all may start with the step of max_step_time; here it is not corrected.
+    const double own = (inside(i).p - last_desired.p).norm();
+    EXPECT_LE((output.command.p - last_command.p).norm(), own + 0.1 * 0.02 + 1e-9) << i;
+    EXPECT_LE(rotationAngle(output.command.q, last_command.q),
+              rotationAngle(inside(i).q, last_desired.q) + 1.0 * 0.02 + 1e-9)
+        << i;
+    last_desired = inside(i);
+    last_command = output.command;
+  }
+  EXPECT_TRUE(same(last_command, last_desired));  // off for long: unchanged again
+}
+
+TEST_F(CorrectorTest, ALongSilenceDoesNotAllowALargeStep) {
+  CorrectorLimits limits;
+  limits.max_translation_rate = 0.1;
+  limits.max_step_time = 0.05;
+  Corrector corrector(limits);
+  send(corrector, 0);  // off
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  const CorrectorOutput output = corrector.correct(900.0, 900.0, inside(1), false);
+  EXPECT_EQ(output.code, CorrectorCode::kCorrectedLimited);
+  EXPECT_LE((output.command.p - inside(1).p).norm(), 0.1 * 0.05 + 1e-12);
+}
+
+TEST_F(CorrectorTest, WhereTheDataSayNothingTheGaussianProcessFadesToTheRigidStep) {
+  Correction timid = model_;
+  timid.trust.fade_start = 1e-6;  // of the prior deviation: every state is beyond that
+  timid.trust.fade_end = 1e-5;
+  Corrector corrector(looseLimits());
+  corrector.setModel(timid);
+  corrector.setMode(CorrectorMode::kFull);
+  const CorrectorOutput output = send(corrector, 0);
+  EXPECT_EQ(output.code, CorrectorCode::kCorrectedFaded);
+  EXPECT_EQ(output.h_share, 0.0);
+  EXPECT_LT((output.command.p - (model_.rigid * inside(0)).p).norm(), 1e-12);
+}
+
+TEST_F(CorrectorTest, OutsideTheWorkspaceThePoseIsUnchanged) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  const Pose far{{0.5, 0.0, 0.0}, expRotation({0.0, 0.0, 0.0})};
+  const CorrectorOutput output = corrector.correct(1.2, 1.2, far, false);
+  EXPECT_EQ(output.code, CorrectorCode::kPassedOutside);
+  EXPECT_TRUE(same(output.command, far));
+}
+
+TEST_F(CorrectorTest, TheCommandStaysInTheBox) {
+  CorrectorLimits limits = looseLimits();
+  limits.box_min = {-0.05, -0.05, -0.05};
+  limits.box_max = {0.005, 0.05, 0.05};
+  Corrector corrector(limits);
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  const CorrectorOutput output = send(corrector, 0);
+  EXPECT_EQ(output.code, CorrectorCode::kCorrectedLimited);
+  EXPECT_LE(output.command.p.x(), 0.005);
+}
+
+TEST_F(CorrectorTest, TheLivePathDoesNotAllocate) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  send(corrector, 0);
+  Pose bad = inside(0);
+  bad.p.x() = std::nan("");
+  int allocations = 0;
+  {
+    const AllocationGuard guard;
+    for (int i = 1; i < 300; ++i) send(corrector, i);
+    corrector.correct(1.0, 1.0, bad, false);
+    corrector.correct(1.0, 1.0, inside(0), true);
+    corrector.setMode(CorrectorMode::kRigid);
+    send(corrector, 300);
+    corrector.setMode(CorrectorMode::kOff);
+    send(corrector, 301);
+    allocations = guard.count();
+  }
+  EXPECT_EQ(allocations, 0);
+}
+
+TEST_F(CorrectorTest, ModelsMaySwapWhilePosesFlow) {
+  Corrector corrector(looseLimits());
+  corrector.setMode(CorrectorMode::kFull);
+  std::atomic<bool> stop{false};
+  std::atomic<int> swaps{0};
+  std::thread setter([&] {
+    while (!stop && swaps < 50) {
+      corrector.setModel(model_);
+      ++swaps;
+    }
+  });
+  int i = 0;
+  while (swaps < 50 || i < 1000) {
+    const CorrectorOutput output = send(corrector, i++);
+    EXPECT_TRUE(output.command.p.allFinite());
+  }
+  stop = true;
+  setter.join();
+}
+
+TEST(CorrectorLimits, AreChecked) {
+  CorrectorLimits limits;
+  limits.max_translation = 0.0;
+  EXPECT_THROW(Corrector{limits}, InvalidInput);
+  EXPECT_THROW(correctorModeFromName("on"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace raven_correction

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/correction/motion.h"
+
+#include <gtest/gtest.h>
+
+#include "raven_correction/error.h"
+#include "raven_correction/geometry/differentiation.h"
+#include "support/random_poses.h"
+
+namespace raven_correction {
+namespace {
+
+using Outcome = MotionEstimator::Outcome;
+
+StampedPose at(double t) {
+  return {t, {{0.1 * t, -0.05 * t, 0.02 * t}, expRotation({0.0, 0.6 * t, 0.0})}};
+}
+
+TEST(MotionEstimator, PastIntervalsAreExactOnConstantTwist) {
+  MotionOptions options;
+  options.velocity = VelocityKind::kPast;
+  options.intervals = {0.05, 0.15, 0.4};
+  MotionEstimator estimator(options);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> step(0.005, 0.03);
+  double t = 10.0;
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(estimator.push(t, at(t).pose), Outcome::kAccepted);
+    if (t > 10.41)
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_LT((estimator.motion().twists[k].v - Eigen::Vector3d(0.1, -0.05, 0.02)).norm(),
+                  1e-11);
+        EXPECT_LT((estimator.motion().twists[k].w - Eigen::Vector3d(0.0, 0.6, 0.0)).norm(), 1e-11);
+      }
+    t += step(random);
+  }
+}
+
+TEST(MotionEstimator, BeforeItsFirstSampleAMotionWasAtRest) {
+  MotionOptions options;
+  options.intervals = {0.1, 0.3};
+  MotionEstimator estimator(options);
+  estimator.push(5.0, at(0.0).pose);
+  EXPECT_EQ(estimator.motion().twists[0].v.norm(), 0.0);
+  estimator.push(5.05, at(0.05).pose);
+  // 0.05 s of motion in an interval of 0.1 s: half the speed; nothing in the interval before.
+  EXPECT_NEAR(estimator.motion().twists[0].v.x(), 0.05, 1e-12);
+  EXPECT_NEAR(estimator.motion().twists[1].v.norm(), 0.0, 1e-12);
+}
+
+TEST(MotionEstimator, AGapStartsANewMotion) {
+  MotionEstimator estimator({});
+  for (double t = 1.0; t < 2.0; t += 0.02) estimator.push(t, at(t).pose);
+  EXPECT_GT(estimator.motion().twists[0].v.norm(), 0.05);
+  estimator.push(2.5, at(2.5).pose);
+  EXPECT_EQ(estimator.motion().twists[0].v.norm(), 0.0);
+}
+
+TEST(MotionEstimator, RefusesWhatIsNotAPoseOrNotNewAndChangesNothing) {
+  MotionEstimator estimator({});
+  estimator.push(1.0, at(1.0).pose);
+  estimator.push(1.02, at(1.02).pose);
+  const Eigen::Vector3d before = estimator.motion().twists[0].v;
+  Pose broken = at(1.03).pose;
+  broken.p.z() = std::nan("");
+  EXPECT_EQ(estimator.push(1.03, broken), Outcome::kNotFinite);
+  EXPECT_EQ(estimator.push(std::nan(""), at(1.0).pose), Outcome::kNotFinite);
+  broken = at(1.03).pose;
+  broken.q.coeffs() *= 0.9;
+  EXPECT_EQ(estimator.push(1.03, broken), Outcome::kNotUnit);
+  EXPECT_EQ(estimator.push(1.01, at(1.01).pose), Outcome::kBackwards);
+  EXPECT_EQ(estimator.push(1.02, at(9.0).pose), Outcome::kRepeated);
+  EXPECT_EQ(estimator.motion().twists[0].v, before);
+}
+
+TEST(MotionEstimator, ABurstDoesNotShortenItsMemory) {
+  // At 20 kHz, 0.4 s are 8000 samples, many more than are remembered.
+  MotionOptions options;
+  options.intervals = {0.05, 0.4};
+  MotionEstimator estimator(options);
+  for (int i = 0; i <= 20000; ++i) estimator.push(1.0 + 5e-5 * i, at(1.0 + 5e-5 * i).pose);
+  EXPECT_NEAR(estimator.motion().twists[1].v.x(), 0.1, 1e-9);
+}
+
+TEST(MotionsOf, CentralIsTheFivePointStencilWithinEachMotion) {
+  PoseStream stream;
+  for (int i = 0; i < 10; ++i) stream.push_back(at(0.02 * i));
+  for (int i = 0; i < 10; ++i) stream.push_back({1.0 + 0.02 * i, at(-0.02 * i).pose});
+  MotionOptions options;
+  options.velocity = VelocityKind::kCentral;
+  const std::vector<Motion> motions = motionsOf(stream, options);
+  EXPECT_NEAR(motions[9].twists[0].v.x(), 0.1, 1e-11);  // not disturbed by the jump that follows
+  EXPECT_NEAR(motions[10].twists[0].v.x(), -0.1, 1e-11);
+}
+
+TEST(MotionOptions, AreChecked) {
+  MotionOptions options;
+  options.intervals = {0.1, 0.05};
+  EXPECT_THROW(checkMotionOptions(options), InvalidInput);
+  options.intervals = {0.1, 0.2, 0.3, 0.4, 0.5};
+  EXPECT_THROW(checkMotionOptions(options), InvalidInput);
+  EXPECT_THROW(velocityFromName("fast"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace raven_correction
