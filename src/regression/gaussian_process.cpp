@@ -63,6 +63,8 @@ void checkConfig(const GpConfig& config) {
   positive("max_exact_points", config.max_exact_points);
   positive("inducing_points", config.inducing_points);
   positive("restarts", config.restarts);
+  if (config.variance_points < 0)
+    throw InvalidInput(format("variance_points = %d, must be >= 0", config.variance_points));
   if (!(config.log_length_prior >= 0.0))
     throw InvalidInput(format("log_length_prior = %g, must be >= 0", config.log_length_prior));
 }
@@ -139,17 +141,11 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
       const std::vector<Eigen::Index> inducing = chooseInducingPoints(
           config.kernel, scalePoints(points, group.length_scales), config.inducing_points,
           kCandidatesPerPoint * Eigen::Index(config.inducing_points), config.seed);
-      // Noise that was validated for a few hundred rows of correlated motions would be taken for
-      // independent in every one of many thousand: each row counts for its share only.
-      const double share =
-          learnt.rows_validated > 0 ? double(learnt.rows_validated) / double(n) : 1.0;
-      GpGroup weighted = group;
-      weighted.noise_variance /= share;
-      SparseStatistics statistics(weighted, selectColumns(points, inducing));
+      SparseStatistics statistics(group, selectColumns(points, inducing));
       statistics.update(points, group_targets, 1.0);
-      weighted = statistics.posterior();
-      weighted.noise_variance = group.noise_variance;
-      group = weighted;
+      // Noise that was validated on motions left out is not for the likelihood to change.
+      if (config.noise_from_all_rows && !validates) statistics.learnNoise();
+      group = statistics.posterior(config.variance_points);
       jitter = statistics.jitter();
     }
     fit.report.seconds_posterior += secondsSince(start);

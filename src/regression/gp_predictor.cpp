@@ -25,8 +25,9 @@ void checkGroup(const GpGroup& group, int features, std::size_t index) {
                     m > 0 && q > 0 && group.signal_variance.size() == q &&
                     group.noise_variance.size() == q && group.weights.rows() == m &&
                     group.weights.cols() == q && group.mean_weights.rows() == 1 + features &&
-                    group.mean_weights.cols() == q && group.variance_factor.rows() == m &&
-                    group.variance_factor.cols() == m;
+                    group.mean_weights.cols() == q && group.variance_factor.rows() > 0 &&
+                    group.variance_factor.rows() <= m &&
+                    group.variance_factor.cols() == group.variance_factor.rows();
   if (!fits) throw InvalidInput(format("model: sizes in group %zu do not fit together", index));
   const bool finite = group.length_scales.allFinite() && group.points.allFinite() &&
                       group.signal_variance.allFinite() && group.noise_variance.allFinite() &&
@@ -55,12 +56,13 @@ QueryGroup queryGroup(const GpGroup& group, const Eigen::MatrixXd& scaled) {
   query.inverse_scales = group.length_scales.cwiseInverse();
   query.by_feature.setZero(m + kPadding, scaled.rows());
   query.by_feature.topRows(m) = scaled.transpose();
-  const Eigen::Index panels = roundUp(m, rows) / rows;
+  const Eigen::Index mv = group.variance_factor.rows();
+  const Eigen::Index panels = roundUp(mv, rows) / rows;
   query.panels.assign(std::size_t(rows * rows * panels * (panels + 1) / 2), 0.0);
   double* to = query.panels.data();
-  for (Eigen::Index first = 0; first < m; first += rows)
+  for (Eigen::Index first = 0; first < mv; first += rows)
     for (Eigen::Index column = 0; column < first + rows; ++column, to += rows)
-      for (Eigen::Index i = std::max(first, column); i < std::min(first + rows, m); ++i)
+      for (Eigen::Index i = std::max(first, column); i < std::min(first + rows, mv); ++i)
         to[i - first] = group.variance_factor(i, column);
   return query;
 }
@@ -138,19 +140,18 @@ void GpPredictor::predict(const double* x, double* mean, double* variance,
     double* const c = workspace.correlations.data();
     simd.correlations(int(group.kernel), d, m, layout.by_feature.data(), layout.by_feature.rows(),
                       1, workspace.x.data(), d, c, nullptr, m);
-    double explained = 0.0;
-    if (variance != nullptr) {
-      std::fill(c + m, c + roundUp(m, simd.panel_rows), 0.0);
-      explained = simd.squaredNormLower(m, layout.panels.data(), c);
-    }
     for (std::size_t k = 0; k < group.outputs.size(); ++k) {
       const Eigen::Index column = Eigen::Index(k);
       mean[group.outputs[k]] = group.mean_weights(0, column) +
                                query.dot(group.mean_weights.col(column).tail(d)) +
                                workspace.correlations.head(m).dot(group.weights.col(column));
-      if (variance != nullptr)
-        variance[group.outputs[k]] = group.signal_variance(column) * aboveZero(1.0 - explained);
     }
+    if (variance == nullptr) continue;
+    const Eigen::Index mv = group.variance_factor.rows();
+    std::fill(c + mv, c + roundUp(mv, simd.panel_rows), 0.0);
+    const double left = aboveZero(1.0 - simd.squaredNormLower(mv, layout.panels.data(), c));
+    for (std::size_t k = 0; k < group.outputs.size(); ++k)
+      variance[group.outputs[k]] = group.signal_variance(Eigen::Index(k)) * left;
   }
 }
 
@@ -176,9 +177,10 @@ void GpPredictor::predict(const Eigen::MatrixXd& x, Eigen::MatrixXd& mean,
                group.weights.data(), m, 1.0, means.data(), count);
       Eigen::VectorXd remaining;
       if (variance != nullptr) {
-        projected = correlations;
-        multiplyLower(Transpose::kNo, m, count, group.variance_factor.data(), m, projected.data(),
-                      m);
+        const Eigen::Index mv = group.variance_factor.rows();
+        projected = correlations.topRows(mv);
+        multiplyLower(Transpose::kNo, mv, count, group.variance_factor.data(), mv, projected.data(),
+                      mv);
         remaining = (1.0 - projected.colwise().squaredNorm().transpose().array()).matrix();
         for (double& share : remaining) share = aboveZero(share);
       }

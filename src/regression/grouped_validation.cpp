@@ -70,12 +70,6 @@ GroupedValidation::GroupedValidation(const Options& options, const Eigen::Matrix
   }
 }
 
-Eigen::Index GroupedValidation::rows() const {
-  Eigen::Index sum = 0;
-  for (const Fold& fold : folds_) sum += fold.learn;
-  return sum / static_cast<Eigen::Index>(folds_.size());
-}
-
 bool GroupedValidation::condition(const Fold& fold, const Eigen::VectorXd& log_parameters,
                                   bool with_slope) {
   Eigen::VectorXd length_scales(fold.points.rows());

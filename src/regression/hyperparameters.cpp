@@ -249,7 +249,6 @@ HyperParameterResult learnByValidation(const HyperParameterProblem& problem) {
       validation.signalVariance(best).cwiseProduct(data.target_unit.cwiseAbs2());
   result.noise_variance = std::exp(best(lengths)) * result.signal_variance;
   result.mean_weights.setZero(1 + problem.points.rows(), problem.targets.cols());
-  result.rows_validated = validation.rows();
   result.log_marginal_likelihood = std::numeric_limits<double>::quiet_NaN();
   return result;
 }

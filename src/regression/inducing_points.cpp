@@ -7,12 +7,15 @@
 #include <numeric>
 #include <random>
 
+#include "raven_correction/regression/dense.h"
 #include "raven_correction/regression/kernel_matrix.h"
 
 namespace raven_correction {
 namespace {
 
-constexpr double kKnown = 1e-10;  // conditional variance of a row that adds nothing [-]
+constexpr double kKnown = 1e-10;     // conditional variance of a row that adds nothing [-]
+constexpr Eigen::Index kBlock = 64;  // rows whose covariances are computed in one product
+constexpr double kGreed = 0.8;  // a block is left when the best row outside is this much better
 
 }  // namespace
 
@@ -58,17 +61,45 @@ std::vector<Eigen::Index> chooseInducingPoints(KernelType kernel, const Eigen::M
   Eigen::MatrixXd factor(n, count);  // column k: k-th column of the pivoted Cholesky factor
   Eigen::VectorXd remaining = Eigen::VectorXd::Ones(n);
   std::vector<Eigen::Index> chosen;
-  Eigen::MatrixXd column;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    Eigen::Index pivot = 0;
-    const double largest = remaining.maxCoeff(&pivot);
+  std::vector<Eigen::Index> block;
+  Eigen::MatrixXd columns;
+  Eigen::Index k = 0;
+  while (k < count) {
+    // Covariances of the most uncertain rows with all, given the points chosen before the block.
+    const double largest = remaining.maxCoeff();
     if (k > 0 && !(largest > kKnown)) break;
-    chosen.push_back(candidates[std::size_t(pivot)]);
-    kernelMatrix(kernel, points, points.col(pivot), column);
-    column.noalias() -= factor.leftCols(k) * factor.row(pivot).head(k).transpose();
-    factor.col(k) = column / std::sqrt(largest);
-    remaining -= factor.col(k).cwiseAbs2();
-    remaining(pivot) = 0.0;
+    block = sampleIndices(n, n, 0);
+    const Eigen::Index size = std::min(kBlock, n);
+    std::partial_sort(block.begin(), block.begin() + size, block.end(),
+                      [&](Eigen::Index i, Eigen::Index j) {
+                        return remaining(i) != remaining(j) ? remaining(i) > remaining(j) : i < j;
+                      });
+    block.resize(std::size_t(size));
+    kernelMatrix(kernel, points, selectColumns(points, block), columns);
+    Eigen::MatrixXd block_factor(size, k);
+    for (Eigen::Index s = 0; s < size; ++s)
+      block_factor.row(s) = factor.row(block[std::size_t(s)]).head(k);
+    multiply(Transpose::kNo, Transpose::kYes, n, size, k, -1.0, factor.data(), n,
+             block_factor.data(), size, 1.0, columns.data(), n);
+    // Points of the block one by one, as long as they are about as uncertain as the best of all.
+    const Eigen::Index start = k;
+    while (k < count) {
+      Eigen::Index best = 0;
+      for (Eigen::Index s = 1; s < size; ++s)
+        if (remaining(block[std::size_t(s)]) > remaining(block[std::size_t(best)])) best = s;
+      const Eigen::Index pivot = block[std::size_t(best)];
+      const double variance = remaining(pivot);
+      if (k > start && !(variance > std::max(kKnown, kGreed * remaining.maxCoeff()))) break;
+      factor.col(k) = columns.col(best);
+      if (k > start)
+        factor.col(k).noalias() -= factor.middleCols(start, k - start) *
+                                   factor.row(pivot).segment(start, k - start).transpose();
+      factor.col(k) /= std::sqrt(variance);
+      remaining -= factor.col(k).cwiseAbs2();
+      remaining(pivot) = 0.0;
+      chosen.push_back(candidates[std::size_t(pivot)]);
+      ++k;
+    }
   }
   return chosen;
 }

@@ -3,6 +3,8 @@
 #include "raven_correction/regression/posterior.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "raven_correction/error.h"
 #include "raven_correction/regression/dense.h"
@@ -74,6 +76,7 @@ SparseStatistics::SparseStatistics(const GpGroup& group, const Eigen::MatrixXd& 
   jitter_ = factorCorrelation(group.kernel, scaled_, 0.0, L_);
   A_.setZero(m, m);
   b_.setZero(m, group.signal_variance.size());
+  squares_.setZero(group.signal_variance.size());
 }
 
 void SparseStatistics::update(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
@@ -91,12 +94,72 @@ void SparseStatistics::update(const Eigen::MatrixXd& points, const Eigen::Matrix
     multiplySymmetric(Transpose::kNo, m, count, sign, V.data(), m, 1.0, A_.data(), m);
     multiply(Transpose::kNo, Transpose::kNo, m, b_.cols(), count, sign, V.data(), m,
              residual.data(), count, 1.0, b_.data(), m);
+    squares_ += sign * residual.colwise().squaredNorm().transpose();
   }
   rows_ += sign * double(points.cols());
 }
 
-GpGroup SparseStatistics::posterior() const {
+double SparseStatistics::valueAt(double noise_ratio, Eigen::VectorXd& signal_variance) const {
   const Eigen::Index m = scaled_.cols();
+  const double n = rows_;
+  Eigen::MatrixXd E = A_ / noise_ratio;
+  E.diagonal().array() += 1.0;
+  if (factorCholesky(m, E.data(), m) != 0) return -std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd projected = b_;
+  solveLower(Transpose::kNo, m, b_.cols(), E.data(), m, projected.data(), m);
+  const double log_determinant = n * std::log(noise_ratio) + 2.0 * E.diagonal().array().log().sum();
+  double value = 0.0;
+  for (Eigen::Index k = 0; k < b_.cols(); ++k) {
+    const double square =
+        (squares_(k) - projected.col(k).squaredNorm() / noise_ratio) / noise_ratio;
+    if (!(squares_(k) > 0.0)) {  // an output that is zero everywhere says nothing
+      signal_variance(k) = 0.0;
+      continue;
+    }
+    signal_variance(k) = std::max(square / n, 1e-20 * squares_(k) / n);
+    value -= 0.5 * (n * std::log(2.0 * M_PI * signal_variance(k)) + log_determinant + n);
+  }
+  return value;
+}
+
+double SparseStatistics::learnNoise() {
+  // Golden section on the logarithm: the value has one maximum in practice, and a local one is
+  // still better than the noise of few rows.
+  constexpr double kGolden = 0.6180339887498949;
+  constexpr double kResolution = 0.02;
+  double low = std::log(1e-8);
+  double high = std::log(1e2);
+  Eigen::VectorXd signal_variance = group_.signal_variance;
+  const auto value = [&](double x) { return valueAt(std::exp(x), signal_variance); };
+  double left = high - kGolden * (high - low);
+  double right = low + kGolden * (high - low);
+  double value_left = value(left);
+  double value_right = value(right);
+  while (high - low > kResolution) {
+    if (value_left > value_right) {
+      high = right;
+      right = left;
+      value_right = value_left;
+      left = high - kGolden * (high - low);
+      value_left = value(left);
+    } else {
+      low = left;
+      left = right;
+      value_left = value_right;
+      right = low + kGolden * (high - low);
+      value_right = value(right);
+    }
+  }
+  const double noise_ratio = std::exp(0.5 * (low + high));
+  const double best = valueAt(noise_ratio, signal_variance);
+  group_.signal_variance = signal_variance;
+  group_.noise_variance = noise_ratio * signal_variance;
+  return best;
+}
+
+GpGroup SparseStatistics::posterior(Eigen::Index variance_points) const {
+  const Eigen::Index m = scaled_.cols();
+  const Eigen::Index mv = variance_points > 0 ? std::min(variance_points, m) : m;
   const double rho = noiseRatio(group_);
   GpGroup group = group_;
 
@@ -112,26 +175,26 @@ GpGroup SparseStatistics::posterior() const {
   solveLower(Transpose::kYes, m, b_.cols(), E.data(), m, group.weights.data(), m);
   solveLower(Transpose::kYes, m, b_.cols(), L_.data(), m, group.weights.data(), m);
 
+  // From here on of the first mv points.
   // I - E^-1 = F F' with F upper triangular, so that T = F' L^-1 is lower triangular: reverse the
   // order of rows and columns, factor, reverse back. Its eigenvalues lie in [0, 1); 1e-14 keeps
   // directions without any data from rounding below zero, and changes no variance by more.
-  invertLower(m, E.data(), m);
-  multiplyInverseFactor(m, E.data(), m);
-  Eigen::MatrixXd reversed(m, m);
-  for (Eigen::Index j = 0; j < m; ++j)
-    for (Eigen::Index i = j; i < m; ++i) reversed(m - 1 - j, m - 1 - i) = -E(i, j);
+  E.conservativeResize(mv, mv);  // the leading part of a factor is the factor of the leading part
+  invertLower(mv, E.data(), mv);
+  multiplyInverseFactor(mv, E.data(), mv);
+  Eigen::MatrixXd reversed(mv, mv);
+  for (Eigen::Index j = 0; j < mv; ++j)
+    for (Eigen::Index i = j; i < mv; ++i) reversed(mv - 1 - j, mv - 1 - i) = -E(i, j);
   for (double jitter = 1e-14; jitter >= 0.0; jitter = nextJitter(jitter)) {
     E = reversed;
     E.diagonal().array() += 1.0 + jitter;
-    if (factorCholesky(m, E.data(), m) == 0) break;
+    if (factorCholesky(mv, E.data(), mv) == 0) break;
   }
-  group.variance_factor.setZero(m, m);  // F'
-  for (Eigen::Index j = 0; j < m; ++j)
-    for (Eigen::Index i = j; i < m; ++i) group.variance_factor(m - 1 - j, m - 1 - i) = E(i, j);
-  // T = F' L^-1, so T' = L^-T F.
-  Eigen::MatrixXd transposed = group.variance_factor.transpose();
-  solveLower(Transpose::kYes, m, m, L_.data(), m, transposed.data(), m);
-  group.variance_factor = transposed.transpose();
+  Eigen::MatrixXd F = Eigen::MatrixXd::Zero(mv, mv);
+  for (Eigen::Index j = 0; j < mv; ++j)
+    for (Eigen::Index i = j; i < mv; ++i) F(mv - 1 - i, mv - 1 - j) = E(i, j);
+  solveLower(Transpose::kYes, mv, mv, L_.data(), m, F.data(), mv);  // T' = L^-T F
+  group.variance_factor = F.transpose();
   zeroUpper(group.variance_factor);
   return group;
 }

@@ -4,6 +4,7 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "raven_correction/error.h"
@@ -37,11 +38,16 @@ std::vector<double> packLower(const Eigen::MatrixXd& matrix) {
   return packed;
 }
 
-Eigen::MatrixXd unpackLower(const std::vector<double>& packed, Eigen::Index size) {
+// The factor may be of the first points only, so its size follows from its own length.
+Eigen::MatrixXd unpackLower(const std::vector<double>& packed) {
+  const auto length = static_cast<double>(packed.size());
+  const auto size =
+      static_cast<Eigen::Index>(std::lround(0.5 * (std::sqrt(8.0 * length + 1.0) - 1.0)));
   if (static_cast<Eigen::Index>(packed.size()) != size * (size + 1) / 2)
-    throw InvalidInput(format("model: variance_factor has %zu numbers, expected %ld for %ld points",
-                              packed.size(), static_cast<long>(size * (size + 1) / 2),
-                              static_cast<long>(size)));
+    throw InvalidInput(
+        format("model: variance_factor has %zu numbers, which is no triangle; the "
+               "message is cut or of another version",
+               packed.size()));
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
   std::size_t next = 0;
   for (Eigen::Index column = 0; column < size; ++column)
@@ -76,7 +82,7 @@ GpGroup groupFromMsg(const GaussianProcess& msg, Eigen::Index features) {
   group.points = toMatrix(msg.z, features, points, "z");
   group.weights = toMatrix(msg.alpha, points, outputs, "alpha");
   group.mean_weights = toMatrix(msg.mean_weights, 1 + features, outputs, "mean_weights");
-  group.variance_factor = unpackLower(msg.variance_factor, points);
+  group.variance_factor = unpackLower(msg.variance_factor);
   return group;
 }
 

@@ -121,6 +121,36 @@ TEST(SparsePosterior, RowsMayComeInPartsAndLeaveAgain) {
   EXPECT_THROW(parts.posterior(), InvalidInput);
 }
 
+TEST(SparsePosterior, VarianceOfTheFirstPointsIsThatOfASmallerModel) {
+  const Eigen::MatrixXd points = normalMatrix(3, 300, 17);
+  const Eigen::MatrixXd targets = smoothTargets(points.transpose());
+  const GpGroup prior = plainGroup(KernelType::kMatern32, 3, 2, 0.01);
+  SparseStatistics large(prior, points.leftCols(90));
+  large.update(points, targets, 1.0);
+  SparseStatistics small(prior, points.leftCols(35));
+  small.update(points, targets, 1.0);
+  const Eigen::MatrixXd queries = normalMatrix(50, 3, 18);
+  const Prediction all = predictAt(large.posterior(), queries);
+  const Prediction nested = predictAt(large.posterior(35), queries);
+  const Prediction alone = predictAt(small.posterior(), queries);
+  EXPECT_LT((nested.mean - all.mean).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((nested.variance - alone.variance).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_GT((nested.variance - all.variance).maxCoeff(), 1e-3);
+}
+
+TEST(SparsePosterior, NoiseOfAllRowsIsFoundAndIsTheMostProbable) {
+  const Eigen::MatrixXd points = normalMatrix(2, 2000, 19);
+  Eigen::MatrixXd targets(2000, 1);
+  targets.col(0) = points.row(0).array().sin().transpose();
+  targets += 0.1 * normalMatrix(2000, 1, 20);
+  GpGroup prior = plainGroup(KernelType::kSquaredExponential, 2, 1, 1e-8);
+  SparseStatistics statistics(prior, points.leftCols(60));
+  statistics.update(points, targets, 1.0);
+  statistics.learnNoise();
+  // 2000 residuals know their deviation to 1/sqrt(4000); five deviations.
+  EXPECT_NEAR(std::sqrt(statistics.group().noise_variance(0)), 0.1, 5.0 * 0.1 / std::sqrt(4000.0));
+}
+
 TEST(Posterior, RepeatedPointsWithoutNoiseTakeJitterAndSayHowMuch) {
   Eigen::MatrixXd points = normalMatrix(2, 30, 14);
   points.rightCols(15) = points.leftCols(15);

@@ -28,11 +28,13 @@ struct GpConfig {
   /// common, the signal variance is each output's own. Every output in exactly one group; empty:
   /// each output is its own group.
   std::vector<std::vector<int>> groups;
-  int max_hyper_points = 1000;    ///< rows that the hyper-parameters are learnt on, chosen by seed
-  int max_exact_points = 4000;    ///< kExact: rows of the posterior, chosen by seed
-  int inducing_points = 400;      ///< kSparse: size of the inducing set of each group
-  int restarts = 1;               ///< starts of the hyper-parameter search
-  double log_length_prior = 0.0;  ///< see HyperParameterProblem; 0: no prior
+  int max_hyper_points = 1000;  ///< rows that the hyper-parameters are learnt on, chosen by seed
+  int max_exact_points = 4000;  ///< kExact: rows of the posterior, chosen by seed
+  int inducing_points = 1000;   ///< kSparse: size of the inducing set of each group
+  int variance_points = 500;    ///< kSparse: how many of them the variance uses; 0: all
+  bool noise_from_all_rows = true;  ///< kSparse: see SparseStatistics::learnNoise()
+  int restarts = 1;                 ///< starts of the hyper-parameter search
+  double log_length_prior = 0.0;    ///< see HyperParameterProblem; 0: no prior
   std::uint64_t seed = 1;
 };
 
@@ -40,7 +42,8 @@ struct GpConfig {
 ///   mean_k(x)     = [1 x'] B_k + sum_i c(x, z_i) alpha(i, k)
 ///   variance_k(x) = s_k^2 (1 - || T c ||^2), c_i = c(x, z_i); of the latent function
 /// Exact: z are the training rows and T is the inverse Cholesky factor of their correlation plus
-/// noise ratio. Sparse: z are inducing points (posterior.h). Observations add noise_variance(k).
+/// noise ratio. T may use the first points only (mv <= m): the mean costs m per query, the variance
+/// mv^2. Sparse: z are inducing points (posterior.h). Observations add noise_variance(k).
 struct GpGroup {
   std::vector<int> outputs;  ///< indices into the q outputs
   KernelType kernel = KernelType::kMatern32;
@@ -50,7 +53,7 @@ struct GpGroup {
   Eigen::MatrixXd points;           ///< d x m: z, training rows or inducing points
   Eigen::MatrixXd weights;          ///< m x outputs: alpha
   Eigen::MatrixXd mean_weights;     ///< (1 + d) x outputs: B; zero where the mean is zero
-  Eigen::MatrixXd variance_factor;  ///< m x m lower triangular: T
+  Eigen::MatrixXd variance_factor;  ///< mv x mv lower triangular: T of the first mv points
 };
 
 struct GpModel {

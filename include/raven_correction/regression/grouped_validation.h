@@ -41,9 +41,6 @@ class GroupedValidation {
   /// Length parameters and the noise ratio.
   Eigen::Index parameters() const { return lengths_ + 1; }
 
-  /// Rows that each fold learns from, on average.
-  Eigen::Index rows() const;
-
   /// @param log_parameters  log length of each block, log rho (noise over signal variance)
   /// @param gradient        of the value, or null
   /// @return the value; infinity where a matrix is not positive definite

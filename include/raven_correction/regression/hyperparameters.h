@@ -48,8 +48,6 @@ struct HyperParameterResult {
   bool converged = false;
   std::string message = "learnHyperParameters() has not run";
   double jitter = 0.0;  ///< added to the correlation matrix at the solution [-]
-  /// kValidation: rows that the noise was chosen for; 0 otherwise.
-  Eigen::Index rows_validated = 0;
   int iterations = 0;   ///< of the best search
   int evaluations = 0;  ///< of all
 };

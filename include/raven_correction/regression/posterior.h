@@ -41,20 +41,39 @@ class SparseStatistics {
   ///   E = I + A / rho,   weights = L^-T E^-1 b / rho
   ///   variance_factor T, lower triangular, T'T = L^-T (I - E^-1) L^-1
   ///
+  /// The mean uses all of Z, at a cost of m per query; the variance, at m^2, may use the first of
+  /// them only: L, v and A of the first points are the leading parts of those of all.
+  ///
+  /// @param variance_points  points that the variance uses; 0: all
   /// @return the group with points = Z, weights and variance_factor
   /// Source: Titsias 2009, Variational learning of inducing variables in sparse Gaussian
   ///         processes, equations 6 and 10
-  GpGroup posterior() const;
+  GpGroup posterior(Eigen::Index variance_points = 0) const;
+
+  /// Noise ratio and signal variances that make all rows most probable under the approximation;
+  /// length scales and mean stay. With K = Q + rho I, Q = V'V of all rows:
+  ///
+  ///   value(rho) = -1/2 sum_k ( n log 2 pi + n log s_k^2 + log |K| + n ),  s_k^2 = y_k'K^-1 y_k /
+  ///   n log |K| = n log rho + log |E|,   y'K^-1 y = (y'y - b'E^-1 b / rho) / rho
+  ///
+  /// Hyper-parameters learnt on few rows know little of the noise: between distant rows of smooth
+  /// recordings everything looks like signal. The other rows, and what Z cannot represent, decide.
+  /// @return value at the maximum [nat]
+  double learnNoise();
 
   double jitter() const { return jitter_; }
   double rows() const { return rows_; }
+  const GpGroup& group() const { return group_; }
 
  private:
+  double valueAt(double noise_ratio, Eigen::VectorXd& signal_variance) const;
+
   GpGroup group_;
-  Eigen::MatrixXd scaled_;  ///< Z in units of the length scales, d x m
-  Eigen::MatrixXd L_;       ///< m x m, lower triangle
-  Eigen::MatrixXd A_;       ///< m x m, lower triangle
-  Eigen::MatrixXd b_;       ///< m x outputs
+  Eigen::MatrixXd scaled_;   ///< Z in units of the length scales, d x m
+  Eigen::MatrixXd L_;        ///< m x m, lower triangle
+  Eigen::MatrixXd A_;        ///< m x m, lower triangle
+  Eigen::MatrixXd b_;        ///< m x outputs
+  Eigen::VectorXd squares_;  ///< y'y per output
   double jitter_ = 0.0;
   double rows_ = 0.0;
 };
