@@ -73,6 +73,8 @@ void readProcess(YamlReader yaml, TrainingConfig& config) {
   process.groups = groupsOf(grouping);
   count(yaml, "max_hyper_points", process.max_hyper_points, 10, 100000);
   count(yaml, "max_exact_points", process.max_exact_points, 10, 100000);
+  count(yaml, "variance_points", process.variance_points, 0, 100000);
+  process.exact_variance_points = process.variance_points;
   count(yaml, "inducing_points", process.inducing_points, 1, 10000);
   count(yaml, "restarts", process.restarts, 1, 100);
   yaml.number("log_length_prior", process.log_length_prior, 0.0, 100.0);

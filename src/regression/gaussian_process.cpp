@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "raven_correction/error.h"
@@ -135,8 +136,11 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
     group.mean_weights = learnt.mean_weights;
     double jitter = 0.0;
     if (config.backend == GpBackend::kExact) {
-      const std::vector<Eigen::Index> rows = sampleIndices(n, config.max_exact_points, config.seed);
-      jitter = conditionExact(selectColumns(points, rows), selectRows(group_targets, rows), group);
+      std::vector<Eigen::Index> rows = sampleIndices(n, config.max_exact_points, config.seed);
+      std::mt19937_64 random(config.seed);  // so that the first ones stand for all
+      std::shuffle(rows.begin(), rows.end(), random);
+      jitter = conditionExact(selectColumns(points, rows), selectRows(group_targets, rows), group,
+                              config.exact_variance_points);
     } else {
       const std::vector<Eigen::Index> inducing = chooseInducingPoints(
           config.kernel, scalePoints(points, group.length_scales), config.inducing_points,

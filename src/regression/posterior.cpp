@@ -51,8 +51,8 @@ double noiseRatio(const GpGroup& group) {
   return 1.0;
 }
 
-double conditionExact(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
-                      GpGroup& group) {
+double conditionExact(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets, GpGroup& group,
+                      Eigen::Index variance_points) {
   checkSizes(points, targets, group);
   const Eigen::Index n = points.cols();
   group.points = points;
@@ -62,7 +62,12 @@ double conditionExact(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targ
   group.weights = targets - evaluateMean(group.mean_weights, points);
   solveLower(Transpose::kNo, n, targets.cols(), L, n, group.weights.data(), n);
   solveLower(Transpose::kYes, n, targets.cols(), L, n, group.weights.data(), n);
-  invertLower(n, L, n);
+  // The factor of a leading block is the leading block of the factor.
+  if (variance_points > 0 && variance_points < n)
+    group.variance_factor =
+        group.variance_factor.topLeftCorner(variance_points, variance_points).eval();
+  const Eigen::Index used = group.variance_factor.rows();
+  invertLower(used, group.variance_factor.data(), used);
   zeroUpper(group.variance_factor);
   return jitter;
 }

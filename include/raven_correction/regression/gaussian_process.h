@@ -30,8 +30,10 @@ struct GpConfig {
   std::vector<std::vector<int>> groups;
   int max_hyper_points = 1000;  ///< rows that the hyper-parameters are learnt on, chosen by seed
   int max_exact_points = 4000;  ///< kExact: rows of the posterior, chosen by seed
-  int inducing_points = 1000;   ///< kSparse: size of the inducing set of each group
-  int variance_points = 500;    ///< kSparse: how many of them the variance uses; 0: all
+  /// kExact: how many of them, chosen by seed, the variance uses; 0: all.
+  int exact_variance_points = 0;
+  int inducing_points = 1000;       ///< kSparse: size of the inducing set of each group
+  int variance_points = 500;        ///< kSparse: how many of them the variance uses; 0: all
   bool noise_from_all_rows = true;  ///< kSparse: see SparseStatistics::learnNoise()
   int restarts = 1;                 ///< starts of the hyper-parameter search
   double log_length_prior = 0.0;    ///< see HyperParameterProblem; 0: no prior

@@ -15,11 +15,13 @@ namespace raven_correction {
 ///   K = C(X, X) + rho I = L L',   weights = K^-1 (Y - [1 X'] B),   variance_factor = L^-1
 ///
 /// @param points   d x n;  targets: n x outputs of the group
+/// @param variance_points  the variance is that of conditioning on the first so many points alone
+///        (never smaller than that of all); 0: all
 /// @return jitter that had to be added to K [-]
 /// @throws InvalidInput  sizes differ, or K is not positive definite with any jitter
 /// Source: Rasmussen, Williams 2006, algorithm 2.1, isbn 026218253X
-double conditionExact(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
-                      GpGroup& group);
+double conditionExact(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets, GpGroup& group,
+                      Eigen::Index variance_points = 0);
 
 /// Sufficient statistics of any number of rows for a fixed set of m inducing points Z: rows can be
 /// added and taken away in any order, at a cost that does not depend on the rows already in it.
