@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "raven_correction/error.h"
 #include "raven_correction/ros/params.h"
 #include "raven_correction/ros/pose_subscription.h"
 #include "raven_correction/ros/recorder.h"
@@ -30,7 +31,7 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   ParamReader read(nh, "recorder");
   read.text("directory", params.directory);
   read.flag("auto_start", params.auto_start);
-  read.requiredText("base_frame", params.base_frame, "give the frame of servo_cp, e.g. 0_link");
+  read.text("base_frame", params.base_frame);
   read.oneOf("pose_type", params.pose_type, poseTypes());
   read.oneOf("mocap_pose_type", params.mocap_pose_type, mocap_types);
   read.text("mocap_frame", params.mocap_frame);
@@ -47,6 +48,8 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   read.throwIfAnyProblem();
   params.directory = expandHome(params.directory);
   params.base_frame = withoutSlash(params.base_frame);
+  if (params.base_frame.empty())
+    throw InvalidInput("recorder: ~base_frame is empty; give the frame of servo_cp, e.g. 0_link");
   if (params.mocap_pose_type == "same") params.mocap_pose_type = params.pose_type;
   ROS_INFO_STREAM(read.summary());
   return params;

@@ -30,9 +30,9 @@ namespace {
 
 constexpr double kLimit = 15.0;  // for everything that takes milliseconds [s]
 
-Pose screw(double t) {
+Pose screw(double t) {  // never the identity, which is no command
   const Eigen::Vector3d v(0.05, -0.02, 0.01), w(0.3, 0.5, -0.2);
-  return {v * t, expRotation(w * t)};
+  return {Eigen::Vector3d(0.1, 0.0, 0.0) + v * t, expRotation(w * t)};
 }
 
 const Pose X_base_mocap{{0.087, 1.778, -0.770}, expRotation({0.1, -0.4, 1.2})};
