@@ -23,7 +23,7 @@ OverlayParams loadOverlayParams(const ros::NodeHandle& nh) {
   std::vector<std::string> mocap_types = poseTypes();
   mocap_types.insert(mocap_types.begin(), "same");
   ParamReader read(nh, "overlay");
-  read.requiredText("base_frame", params.base_frame, "give the frame of servo_cp, e.g. 0_link");
+  read.text("base_frame", params.base_frame);
   read.oneOf("pose_type", params.pose_type, poseTypes());
   read.oneOf("mocap_pose_type", params.mocap_pose_type, mocap_types);
   read.text("mocap_frame", params.mocap_frame);
@@ -38,6 +38,8 @@ OverlayParams loadOverlayParams(const ros::NodeHandle& nh) {
   read.refuseUnknownKeys();
   read.throwIfAnyProblem();
   params.base_frame = withoutSlash(params.base_frame);
+  if (params.base_frame.empty())
+    throw InvalidInput("overlay: ~base_frame is empty; give the frame of servo_cp, e.g. 0_link");
   if (params.mocap_pose_type == "same") params.mocap_pose_type = params.pose_type;
   params.style.frame = params.base_frame;
   params.style.lifetime = std::max(1.0, 5.0 / params.rate);  // outlives four lost messages
@@ -168,8 +170,12 @@ void Overlay::onTimer() {
   view.observed = recentPose(observed_);
   const auto& error = history_.latest();  // of a while ago where nothing is wanted any more
   if (view.observed && error &&
-      history_.observed().back().stamp - error->stamp < history_.delay() + params_.max_age)
+      history_.observed().back().stamp - error->stamp < history_.delay() + params_.max_age) {
     view.error = error;
+    view.observed = error->observed;
+    if (view.desired) view.desired = error->desired;
+    if (view.command) view.command = history_.commandAt(error->stamp - history_.delay());
+  }
   if (model_) {
     const auto& low = model_->workspace_min;
     const auto& high = model_->workspace_max;

@@ -40,6 +40,10 @@ void OverlayHistory::extend(std::deque<StampedPose>& trail, const StampedPose& s
   while (trail.front().stamp < sample.stamp - options_.trail_duration) trail.pop_front();
 }
 
+std::optional<Pose> OverlayHistory::commandAt(double instant) const {
+  return poseAt(PoseStream(command_.begin(), command_.end()), instant, kDesiredSilence);
+}
+
 void OverlayHistory::addDesired(const StampedPose& desired) {
   extend(desired_, desired);
   take(against_desired_.addCommand(desired));

@@ -39,6 +39,14 @@ std_msgs::ColorRGBA faded(std_msgs::ColorRGBA c, double share) {
   return c;
 }
 
+struct TextLine {
+  std::string words;
+  std_msgs::ColorRGBA colour;
+};
+
+constexpr double kLineSpacing = 1.5;      // in capital letters; rviz itself spaces lines wider
+constexpr std::size_t kStatusLines = 10;  // shown at most
+
 class Painter {
  public:
   Painter(const OverlayStyle& style, MarkerArray& array) : style_(style), array_(array) {}
@@ -68,6 +76,17 @@ class Painter {
     marker.scale.z = style_.text_height * scale;
   }
 
+  /// One marker per line, from the top down, always `count` of them.
+  void lines(const std::string& ns, const Eigen::Vector3d& top, const std::vector<TextLine>& lines,
+             std::size_t count, double scale) {
+    const double step = kLineSpacing * style_.text_height * scale;
+    for (std::size_t i = 0; i < count; ++i) {
+      const TextLine line = i < lines.size() ? lines[i] : TextLine{"", kWhite};
+      text(ns, !line.words.empty(), top - Eigen::Vector3d::UnitZ() * step * static_cast<double>(i),
+           line.words, line.colour, scale);
+    }
+  }
+
   void arrow(const std::string& ns, bool shown, const Eigen::Vector3d& from,
              const Eigen::Vector3d& to, double diameter, const std_msgs::ColorRGBA& c) {
     const double length = (to - from).norm();
@@ -82,20 +101,22 @@ class Painter {
   void axes(const std::string& ns, const std::optional<Pose>& pose, int shape,
             const std_msgs::ColorRGBA& c) {
     const Pose X = pose.value_or(Pose{});
-    const double L = style_.axis_length;
+    // The observed pose is slim and long, so that it stays visible when it meets the desired one.
+    const bool slim = shape == Marker::CYLINDER;
+    const double L = style_.axis_length * (slim ? 1.35 : 1.0);
     const std::array<double, 3> lengths{L, 0.75 * L, 0.5 * L};
     for (int axis = 0; axis < 3; ++axis)
       arrow(ns, pose.has_value(), X.p,
             X * Eigen::Vector3d(Eigen::Vector3d::Unit(axis) *
                                 lengths[static_cast<std::size_t>(axis)]),
-            0.06 * L, c);
+            (slim ? 0.045 : 0.08) * L, c);
     Marker& origin = add(ns, shape, pose.has_value());
     origin.pose = poseToMsg(X);
     origin.color = c;
-    origin.scale.x = origin.scale.y = origin.scale.z = 0.2 * L;
-    if (shape == Marker::CYLINDER) {  // a disc
-      origin.scale.x = origin.scale.y = 0.3 * L;
-      origin.scale.z = 0.06 * L;
+    origin.scale.x = origin.scale.y = origin.scale.z = 0.25 * L;
+    if (slim) {  // a disc
+      origin.scale.x = origin.scale.y = 0.5 * L;
+      origin.scale.z = 0.04 * L;
     }
   }
 
@@ -154,9 +175,9 @@ void drawErrors(const OverlayView& view, const OverlayHistory& history, const Ov
   for (const bool corrected : {false, true}) {
     Marker& lines =
         paint.add(corrected ? "errors_corrected" : "errors_uncorrected", Marker::LINE_LIST, true);
-    lines.scale.x = corrected ? 1.5 * width : width;
+    lines.scale.x = corrected ? 1.2 * width : 0.7 * width;
     lines.color = corrected ? kCorrectedColour : kUncorrectedColour;
-    lines.color.a = 0.8F;
+    lines.color.a = corrected ? 1.0F : 0.65F;
     for (const TrackingError& error : history.errors()) {
       if (error.corrected != corrected) continue;
       const Eigen::Vector3d from = error.desired.p, to = error.observed.p;
@@ -177,10 +198,12 @@ void drawErrors(const OverlayView& view, const OverlayHistory& history, const Ov
   const auto c = now.corrected ? kCorrectedColour : kUncorrectedColour;
   paint.arrow("error", view.error.has_value(), now.desired.p, now.observed.p,
               style.axis_length / 12.0, c);
-  const std::string words = (now.corrected ? "corrected error\n" : "uncorrected error\n") +
-                            errorText(now.position(), now.angle());
-  const Eigen::Vector3d above(0.0, 0.0, 1.6 * style.axis_length);
-  paint.text("error", view.error.has_value(), now.observed.p + above, words, c, 1.2);
+  const Eigen::Vector3d above(0.0, 0.0, 2.2 * style.axis_length);
+  const std::string kind = now.corrected ? "corrected error" : "uncorrected error";
+  const bool shown = view.error.has_value();
+  paint.lines("error", now.observed.p + above,
+              {{shown ? kind : "", c}, {shown ? errorText(now.position(), now.angle()) : "", c}}, 2,
+              1.3);
 }
 
 void drawWorkspace(const std::optional<OverlayBox>& box, const OverlayStyle& style,
@@ -206,7 +229,7 @@ void drawWorkspace(const std::optional<OverlayBox>& box, const OverlayStyle& sty
         }
     }
   const Eigen::Vector3d corner(b.min.x(), b.min.y(), b.min.z() - 1.5 * style.text_height);
-  paint.text("workspace", box.has_value(), corner, "trained workspace", kGrey, 0.8);
+  paint.text("workspace", box.has_value(), corner, "trained workspace", kGrey, 0.9);
 }
 
 }  // namespace
@@ -222,27 +245,26 @@ MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
   paint.axes("command", view.command, Marker::CUBE, kCommandColour);
   paint.axes("observed", view.observed, Marker::CYLINDER, kObservedColour);
 
-  // Labels hang below their pose, each on a line of its own, so that they stay readable when the
-  // poses fall together.
-  const auto label = [&](const std::optional<Pose>& pose, int line, const char* words,
-                         const std_msgs::ColorRGBA& c) {
-    const Eigen::Vector3d below(0.0, 0.0,
-                                -0.5 * style.axis_length - 1.3 * style.text_height * line);
-    paint.text("labels", pose.has_value(), pose.value_or(Pose{}).p + below, words, c);
-  };
-  label(view.desired, 1, "desired", kDesiredColour);
-  label(view.command, 2, "command", kCommandColour);
-  label(view.observed, 3, "observed", kObservedColour);
+  // One legend below the tool, because labels at poses that fall together cannot be read.
+  const Pose anchor = view.desired.value_or(view.observed.value_or(view.command.value_or(Pose{})));
+  const double below = anchor.p.z() - 1.5 * style.axis_length;
+  const Eigen::Vector3d legend(anchor.p.x(), anchor.p.y(), below);
+  paint.lines("labels", legend,
+              {{view.desired ? "desired (ball, line)" : "", kDesiredColour},
+               {view.command ? "command (cube, dashes)" : "", kCommandColour},
+               {view.observed ? "observed (disc, dots)" : "", kObservedColour}},
+              3, 1.0);
 
-  std::string words;
-  for (const std::string& line : view.status) words += (words.empty() ? "" : "\n") + line;
-  Eigen::Vector3d top = view.desired.value_or(view.observed.value_or(Pose{})).p +
-                        Eigen::Vector3d(0.0, 0.0, 6.0 * style.axis_length);
+  Eigen::Vector3d top = anchor.p + Eigen::Vector3d(0.0, 0.0, 6.0 * style.axis_length);
   if (view.workspace) {
     top = (view.workspace->min + view.workspace->max) / 2;
-    top.z() = view.workspace->max.z() + 2.0 * style.axis_length;
+    top.z() = view.workspace->max.z() + style.axis_length;
   }
-  paint.text("status", true, top, words, kWhite, 1.3);
+  std::vector<TextLine> status;
+  for (const std::string& line : view.status) status.push_back({line, kWhite});
+  const double height = kLineSpacing * style.text_height * 1.2;
+  top.z() += height * static_cast<double>(status.size());
+  paint.lines("status", top, status, kStatusLines, 1.2);
   return array;
 }
 
@@ -292,7 +314,7 @@ std::string correctionCodeName(std::uint8_t code) {
 bool isCorrectedCode(std::uint8_t code) { return code <= CorrectionStatus::RIGID_ONLY; }
 
 std::string errorText(double position, double angle) {
-  return format("%.2f mm  %.2f deg", 1e3 * position, kDegrees * angle);
+  return format("%.2f mm, %.2f deg", 1e3 * position, kDegrees * angle);
 }
 
 }  // namespace raven_correction

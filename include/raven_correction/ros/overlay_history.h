@@ -32,7 +32,7 @@ struct MeanError {
 struct OverlayHistoryOptions {
   double delay = 0.0;            ///< observation behind command [s]
   double trail_duration = 10.0;  ///< of the trails [s]
-  double error_duration = 60.0;  ///< of the errors remembered for drawing [s]
+  double error_duration = 30.0;  ///< of the errors remembered for drawing [s]
   double error_period = 0.2;     ///< between two of them [s]
 };
 
@@ -53,6 +53,9 @@ class OverlayHistory {
   const std::deque<StampedPose>& desired() const { return desired_; }
   const std::deque<StampedPose>& command() const { return command_; }
   const std::deque<StampedPose>& observed() const { return observed_; }
+
+  /// The command of an instant, from the trail; nothing where it does not reach. @param instant [s]
+  std::optional<Pose> commandAt(double instant) const;
 
   /// The newest; the command plays the desired pose where the planner publishes none.
   const std::optional<TrackingError>& latest() const { return latest_; }

@@ -16,8 +16,8 @@ namespace raven_correction {
 struct OverlayStyle {
   std::string frame = "0_link";  ///< of all markers
   double lifetime = 1.0;         ///< after which rviz removes a marker that is not renewed [s]
-  double axis_length = 0.015;    ///< of the x axis of a pose; y has 3/4 of it, z half [m]
-  double text_height = 0.005;    ///< of a capital letter [m]
+  double axis_length = 0.02;     ///< of the x axis of a pose; y has 3/4 of it, z half [m]
+  double text_height = 0.006;    ///< of a capital letter [m]
 };
 
 struct OverlayBox {
@@ -27,17 +27,19 @@ struct OverlayBox {
 
 /// What is on the screen now; what is absent is deleted from it.
 struct OverlayView {
-  std::optional<Pose> desired, command, observed;  ///< in base, where they are recent
-  std::optional<TrackingError> error;              ///< the newest, where it is recent
-  std::optional<OverlayBox> workspace;             ///< where the model was trained
-  std::vector<std::string> status;                 ///< lines of text above the scene
+  /// In base, where they are recent. With an error: all of the instant of that error, a delay
+  /// apart, so that what is seen on the screen is error and not lag.
+  std::optional<Pose> desired, command, observed;
+  std::optional<TrackingError> error;   ///< the newest, where it is recent
+  std::optional<OverlayBox> workspace;  ///< where the model was trained
+  std::vector<std::string> status;      ///< lines of text above the scene
 };
 
 /// Namespaces, so that rviz can switch each kind: desired (axes, ball), command (axes, cube),
-/// observed (axes, disc), labels, error (arrow, its text in mm and degrees), errors_uncorrected
-/// (lines with heads), errors_corrected (lines without), trail_desired (line), trail_command
-/// (dashes), trail_observed (dots), workspace (dashed edges), status (text). Always the same
-/// markers: one that has nothing to show is a DELETE.
+/// observed (axes, disc), labels (what is what), error (arrow, its text in mm and degrees),
+/// errors_uncorrected (lines with heads), errors_corrected (lines without), trail_desired (line),
+/// trail_command (dashes), trail_observed (dots), workspace (dashed edges), status (text). Always
+/// the same markers: one that has nothing to show is a DELETE.
 visualization_msgs::MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
                                             const OverlayStyle& style);
 
@@ -45,7 +47,7 @@ visualization_msgs::MarkerArray makeOverlay(const OverlayView& view, const Overl
 std::string correctionCodeName(std::uint8_t code);
 /// True for codes with which the command differs from the desired pose by the model's doing.
 bool isCorrectedCode(std::uint8_t code);
-/// "1.23 mm  4.5 deg" @param position [m] @param angle [rad]
+/// "1.23 mm, 4.50 deg" @param position [m] @param angle [rad]
 std::string errorText(double position, double angle);
 
 }  // namespace raven_correction

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Is every kind drawn in its own namespace, in mm and degrees, and taken away when it is over?
+#include "raven_correction/ros/overlay_markers.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "raven_correction/CorrectionStatus.h"
+
+namespace raven_correction {
+namespace {
+
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+std::map<std::string, std::vector<Marker>> byNamespace(const MarkerArray& array) {
+  std::map<std::string, std::vector<Marker>> sorted;
+  for (const Marker& marker : array.markers) sorted[marker.ns].push_back(marker);
+  return sorted;
+}
+
+/// A second in which the tool was seen 24.1 mm and 0.1 rad beside, then 1 mm.
+OverlayHistory someHistory() {
+  OverlayHistory history({});
+  for (int k = 0; k < 200; ++k) {
+    const double stamp = 1000.0 + 0.01 * k;
+    const Pose wanted{{0.001 * k, 0.0, 0.0}, Eigen::Quaterniond::Identity()};
+    Pose seen = wanted;
+    seen.p.y() += k < 100 ? 0.0241 : 0.001;
+    seen.q = expRotation({0.0, 0.1, 0.0});
+    history.addStatus(stamp, k >= 100);
+    history.addDesired({stamp, wanted});
+    history.addCommand({stamp, wanted});
+    history.addObserved({stamp, seen});
+  }
+  return history;
+}
+
+OverlayView fullView(const OverlayHistory& history) {
+  OverlayView view;
+  view.desired = view.command = history.desired().back().pose;
+  view.observed = history.observed().back().pose;
+  view.error = history.errors().front();
+  view.workspace = OverlayBox{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
+  view.status = {"mode full: corrected", "model m1"};
+  return view;
+}
+
+TEST(OverlayMarkers, DrawEveryKindInItsOwnNamespaceWithAShapeOfItsOwn) {
+  const OverlayHistory history = someHistory();
+  const auto kinds = byNamespace(makeOverlay(fullView(history), history, {}));
+  for (const char* ns : {"desired", "command", "observed", "labels", "error", "errors_uncorrected",
+                         "errors_corrected", "trail_desired", "trail_command", "trail_observed",
+                         "workspace", "status"}) {
+    ASSERT_TRUE(kinds.count(ns)) << ns;
+    std::set<int> ids;
+    for (const Marker& marker : kinds.at(ns)) {
+      if (marker.ns != "status") {  // as many lines as there are
+        EXPECT_EQ(marker.action, Marker::ADD) << ns;
+      }
+      EXPECT_EQ(marker.header.frame_id, "0_link");
+      EXPECT_GT(marker.lifetime.toSec(), 0.0);
+      EXPECT_TRUE(ids.insert(marker.id).second) << ns;
+      if (!marker.colors.empty()) {
+        EXPECT_EQ(marker.colors.size(), marker.points.size()) << ns;
+      }
+    }
+  }
+  const std::set<int> origins{kinds.at("desired").back().type, kinds.at("command").back().type,
+                              kinds.at("observed").back().type};
+  EXPECT_EQ(origins.size(), 3u);  // not by colour alone
+  const std::set<int> trails{kinds.at("trail_desired").back().type,
+                             kinds.at("trail_command").back().type,
+                             kinds.at("trail_observed").back().type};
+  EXPECT_EQ(trails.size(), 3u);
+}
+
+TEST(OverlayMarkers, SayTheErrorInMillimetresAndDegrees) {
+  const OverlayHistory history = someHistory();
+  const auto kinds = byNamespace(makeOverlay(fullView(history), history, {}));
+  ASSERT_EQ(kinds.at("error").size(), 3u);  // an arrow and two lines of text
+  EXPECT_EQ(kinds.at("error")[1].text, "uncorrected error");
+  EXPECT_EQ(kinds.at("error")[2].text, "24.10 mm, 5.73 deg");
+  const Marker& arrow = kinds.at("error").front();
+  ASSERT_EQ(arrow.points.size(), 2u);
+  EXPECT_NEAR(arrow.points[1].y - arrow.points[0].y, 0.0241, 1e-12);  // from wanted to seen
+  EXPECT_EQ(kinds.at("status")[0].text, "mode full: corrected");
+  EXPECT_EQ(kinds.at("status")[1].text, "model m1");
+  EXPECT_EQ(kinds.at("status")[2].action, Marker::DELETE);
+}
+
+TEST(OverlayMarkers, DeleteExactlyWhatTheyNoLongerShow) {
+  const OverlayHistory history = someHistory();
+  const MarkerArray full = makeOverlay(fullView(history), history, {});
+  const MarkerArray empty = makeOverlay({}, OverlayHistory({}), {});
+  ASSERT_EQ(full.markers.size(), empty.markers.size());
+  for (std::size_t i = 0; i < full.markers.size(); ++i) {
+    EXPECT_EQ(full.markers[i].ns, empty.markers[i].ns);
+    EXPECT_EQ(full.markers[i].id, empty.markers[i].id);
+    EXPECT_EQ(empty.markers[i].action, Marker::DELETE) << empty.markers[i].ns;
+  }
+}
+
+TEST(OverlayMarkers, NameEveryCode) {
+  for (int code = 0; code <= CorrectionStatus::REFUSED_SECOND_PUBLISHER; ++code) {
+    if (code > CorrectionStatus::PASSED_BETWEEN_ENDPOINTS &&
+        code < CorrectionStatus::REFUSED_NOT_FINITE)
+      continue;  // no code of ours
+    const auto byte = static_cast<std::uint8_t>(code);
+    EXPECT_EQ(correctionCodeName(byte).find("code "), std::string::npos) << code;
+  }
+  EXPECT_TRUE(isCorrectedCode(CorrectionStatus::RIGID_ONLY));
+  EXPECT_FALSE(isCorrectedCode(CorrectionStatus::PASSED_OFF));
+}
+
+}  // namespace
+}  // namespace raven_correction
