@@ -304,8 +304,6 @@ std::string correctionCodeName(std::uint8_t code) {
       return "REFUSED: time runs backwards";
     case CorrectionStatus::REFUSED_LATCHED:
       return "REFUSED: latched";
-    case CorrectionStatus::REFUSED_SECOND_PUBLISHER:
-      return "REFUSED: second publisher";
     default:
       return format("code %u", code);
   }
