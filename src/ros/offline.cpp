@@ -64,6 +64,7 @@ int runOffline(int argc, char** argv) {
   app.name("offline");
   app.require_subcommand(1);
   addImportExportCommands(app);
+  addSimulateCommand(app);
   addTrainCommand(app);
   addPredictCommand(app);
   addEvaluateCommand(app);

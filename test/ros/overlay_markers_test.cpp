@@ -104,7 +104,7 @@ TEST(OverlayMarkers, DeleteExactlyWhatTheyNoLongerShow) {
 }
 
 TEST(OverlayMarkers, NameEveryCode) {
-  for (int code = 0; code <= CorrectionStatus::REFUSED_SECOND_PUBLISHER; ++code) {
+  for (int code = 0; code <= CorrectionStatus::REFUSED_LATCHED; ++code) {
     if (code > CorrectionStatus::PASSED_BETWEEN_ENDPOINTS &&
         code < CorrectionStatus::REFUSED_NOT_FINITE)
       continue;  // no code of ours

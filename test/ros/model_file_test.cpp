@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/ros/model_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "raven_correction/correction/predictor.h"
+#include "raven_correction/error.h"
+#include "support/simple_model.h"
+#include "support/temporary_directory.h"
+
+namespace raven_correction {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(ModelFile, SurvivesARoundTripBitForBit) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.path() + "/model.bag";
+  for (const VelocityKind velocity :
+       {VelocityKind::kNone, VelocityKind::kCausal, VelocityKind::kPast}) {
+    const Correction written = simpleModel(velocity);
+    writeModelFile(written, file, true);
+    const Correction read = readModelFile(file);
+    EXPECT_EQ(read.id, written.id);
+    EXPECT_EQ(read.delay, written.delay);
+    EXPECT_EQ(read.trained_at, written.trained_at);
+    EXPECT_EQ(read.rigid.p, written.rigid.p);
+    EXPECT_EQ(read.rigid.q.coeffs(), written.rigid.q.coeffs());
+    EXPECT_EQ(read.mean_orientation.coeffs(), written.mean_orientation.coeffs());
+    EXPECT_EQ(read.motion.intervals, written.motion.intervals);
+    ASSERT_EQ(read.process.groups.size(), written.process.groups.size());
+    for (std::size_t g = 0; g < read.process.groups.size(); ++g) {
+      const GpGroup &a = read.process.groups[g], &b = written.process.groups[g];
+      EXPECT_EQ(a.outputs, b.outputs);
+      EXPECT_EQ(a.length_scales, b.length_scales);
+      EXPECT_EQ(a.signal_variance, b.signal_variance);
+      EXPECT_EQ(a.noise_variance, b.noise_variance);
+      EXPECT_EQ(a.points, b.points);
+      EXPECT_EQ(a.weights, b.weights);
+      EXPECT_EQ(a.mean_weights, b.mean_weights);
+      EXPECT_EQ(a.variance_factor, b.variance_factor);
+    }
+    // And so every prediction is the same to the last bit.
+    const Predictor first(written), second(read);
+    const auto workspace_a = first.makeWorkspace(), workspace_b = second.makeWorkspace();
+    std::mt19937_64 random(3);
+    for (int i = 0; i < 50; ++i) {
+      Motion motion;
+      motion.pose = {randomVector(random, 0.03), expRotation(randomVector(random, 0.2))};
+      const Prediction a = first.predict(motion, *workspace_a);
+      const Prediction b = second.predict(motion, *workspace_b);
+      EXPECT_EQ(a.command.p, b.command.p);
+      EXPECT_EQ(a.command.q.coeffs(), b.command.q.coeffs());
+      EXPECT_EQ(a.sd_position, b.sd_position);
+    }
+  }
+}
+
+TEST(ModelFile, NeverReplacesUnasked) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.path() + "/model.bag";
+  writeModelFile(simpleModel(), file, false);
+  EXPECT_THROW(writeModelFile(simpleModel(), file, false), InvalidInput);
+}
+
+std::string complaint(const std::string& file) {
+  try {
+    readModelFile(file);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ModelFile, DamageIsNamed) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.path() + "/model.bag";
+  EXPECT_NE(complaint(file).find("no such file"), std::string::npos);
+  writeModelFile(simpleModel(), file, false);
+  fs::resize_file(file, fs::file_size(file) / 2);
+  EXPECT_NE(complaint(file).find("cut off"), std::string::npos) << complaint(file);
+  std::ofstream(file) << "not a bag";
+  EXPECT_NE(complaint(file).find("not a complete bag"), std::string::npos) << complaint(file);
+}
+
+TEST(ModelFile, RefusesOtherFormatsAndSizes) {
+  CorrectionModel msg = modelToMsg(simpleModel());
+  msg.format = 99;
+  EXPECT_THROW(modelFromMsg(msg), InvalidInput);
+  msg = modelToMsg(simpleModel());
+  msg.groups[0].alpha.pop_back();
+  EXPECT_THROW(modelFromMsg(msg), InvalidInput);
+  msg = modelToMsg(simpleModel());
+  msg.groups[1].variance_factor.pop_back();
+  EXPECT_THROW(modelFromMsg(msg), InvalidInput);
+  msg = modelToMsg(simpleModel());
+  msg.velocity = "fast";
+  EXPECT_THROW(modelFromMsg(msg), InvalidInput);
+}
+
+}  // namespace
+}  // namespace raven_correction

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The offline command line as a user calls it: exit codes, texts, and that nothing is overwritten.
+#include "raven_correction/ros/offline.h"
+
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "raven_correction/correction/training.h"
+#include "raven_correction/dataset/csv.h"
+#include "raven_correction/dataset/dataset_directory.h"
+#include "raven_correction/evaluation/table_one.h"
+#include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/session_bag.h"
+#include "support/temporary_directory.h"
+
+namespace raven_correction {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int code;
+  std::string text;  // standard error
+};
+
+Outcome offline(std::vector<std::string> words) {
+  words.insert(words.begin(), "offline");
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  const int code = runOffline(static_cast<int>(argv.size()), argv.data());
+  testing::internal::GetCapturedStdout();
+  return {code, testing::internal::GetCapturedStderr()};
+}
+
+void expectRefused(const Outcome& outcome, const std::string& part) {
+  EXPECT_EQ(outcome.code, 2) << outcome.text;
+  EXPECT_NE(outcome.text.find(part), std::string::npos) << outcome.text;
+}
+
+constexpr char kQuickConfig[] =
+    "process: {criterion: likelihood, length_scales: common, grouping: shared,\n"
+    "          max_hyper_points: 80, max_exact_points: 150, backend: exact}\n";
+
+class OfflineTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(offline({"simulate", "--simulation", "config/simulation/raven2_left_case2014.yaml",
+                       "--trajectories", "10", "--seed", "3", "-o", session_})
+                  .code,
+              0);
+    std::ofstream(config_) << kQuickConfig;
+  }
+  const TemporaryDirectory folder_;
+  const std::string session_ = folder_.path() + "/session";
+  const std::string config_ = folder_.path() + "/quick.yaml";
+  const std::string model_ = folder_.path() + "/model.bag";
+};
+
+TEST_F(OfflineTest, ImportAndExportKeepEverySample) {
+  const std::string bag = folder_.path() + "/session.bag", back = folder_.path() + "/back";
+  EXPECT_EQ(offline({"import", session_, "-o", bag}).code, 0);
+  EXPECT_EQ(offline({"export", bag, "-o", back}).code, 0);
+  const Dataset a = readDatasetDirectory(session_), b = readDatasetDirectory(back);
+  ASSERT_EQ(a.trajectories.size(), b.trajectories.size());
+  for (std::size_t k = 0; k < a.trajectories.size(); ++k) {
+    EXPECT_EQ(a.trajectories[k].id, b.trajectories[k].id);
+    ASSERT_EQ(a.trajectories[k].commands.size(), b.trajectories[k].commands.size());
+    ASSERT_EQ(a.trajectories[k].observations.size(), b.trajectories[k].observations.size());
+    for (std::size_t i = 0; i < a.trajectories[k].observations.size(); ++i) {
+      EXPECT_EQ(a.trajectories[k].observations[i].pose.p, b.trajectories[k].observations[i].pose.p);
+      EXPECT_NEAR(a.trajectories[k].observations[i].stamp, b.trajectories[k].observations[i].stamp,
+                  1e-8);
+    }
+  }
+  expectRefused(offline({"import", session_, "-o", bag}), "exists");
+  expectRefused(offline({"export", bag, "-o", back}), "not empty");
+}
+
+TEST_F(OfflineTest, TrainAndPredictMeetInTheModelFileAndAgreeWithEvaluate) {
+  const int fold = 2;
+  ASSERT_EQ(
+      offline({"train", session_, "-o", model_, "--config", config_, "--hold-out", "2/5"}).code, 0);
+  const Dataset dataset = readDatasetDirectory(session_);
+  const Dataset left_out = selectFold(dataset, HoldOut{fold, 5}, true);
+  const std::string test_set = folder_.path() + "/left_out";
+  writeDatasetDirectory(left_out, test_set);
+  const std::string out = folder_.path() + "/commands.csv";
+  ASSERT_EQ(
+      offline({"predict", "--model", model_, "--states", test_set + "/observations.csv", "-o", out})
+          .code,
+      0);
+
+  // What predict wrote, against the command at the stamp that it names.
+  std::ifstream file(out);
+  std::string line, header;
+  std::getline(file, header);
+  EXPECT_EQ(header, "trajectory,stamp,x,y,z,qx,qy,qz,qw,sx,sy,sz,srx,sry,srz,status");
+  TableOneProblem problem;
+  problem.configurations = {{"best", loadTrainingConfig(config_)}};
+  const TableOneResult table = crossValidate(dataset, problem);
+  const Correction model = readModelFile(model_);
+  const std::vector<TestState> states =
+      makeTestStates(left_out, model.motion, model.delay,
+                     commandGapLimit(selectFold(dataset, HoldOut{fold, 5}, false), {}), {});
+  std::map<std::pair<std::size_t, std::size_t>, Pose> predicted;
+  std::size_t trajectory = 0, row = 0;
+  std::string last;
+  while (std::getline(file, line)) {
+    std::istringstream fields(line);
+    std::string id, value;
+    std::getline(fields, id, ',');
+    double v[8];
+    for (double& number : v) {
+      std::getline(fields, value, ',');
+      number = std::stod(value);
+    }
+    if (!last.empty() && id != last) {
+      ++trajectory;
+      row = 0;
+    }
+    last = id;
+    EXPECT_NEAR(v[0], left_out.trajectories[trajectory].observations[row].stamp - model.delay,
+                1e-6);
+    predicted[{trajectory, row++}] = {{v[1], v[2], v[3]}, {v[7], v[4], v[5], v[6]}};
+  }
+  const std::vector<bool> clean =
+      cleanStates(states,
+                  train(selectFold(dataset, HoldOut{fold, 5}, false),
+                        configOf(Method::kRigidClean, loadTrainingConfig(config_)), 0.0)
+                      .model.rigid,
+                  {});
+  std::vector<PoseError> errors;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (clean[i])
+      errors.push_back(
+          poseError(predicted.at({states[i].trajectory, states[i].row}), states[i].command));
+  const ErrorSummary expected = table.row("best", Method::kRigidGpVelocityClean, true, fold).errors;
+  const ErrorSummary measured = summarise(errors);
+  EXPECT_EQ(measured.n, expected.n);
+  EXPECT_NEAR(1e3 * measured.position_norm, 1e3 * expected.position_norm, 1e-6);
+  EXPECT_NEAR(measured.angle_norm, expected.angle_norm, 1e-8);
+}
+
+TEST_F(OfflineTest, PredictAnswersEveryRowAndRefusesWhatIsNoPose) {
+  ASSERT_EQ(offline({"train", session_, "-o", model_, "--config", config_}).code, 0);
+  const std::string states = folder_.path() + "/states.csv", out = folder_.path() + "/out.csv";
+  std::ofstream(states) << "trajectory,stamp,x,y,z,qx,qy,qz,qw\n"
+                           "a,1.00,-0.02,-0.06,-0.14,-0.5,0.5,0.5,0.5\n"
+                           "a,1.02,nan,-0.06,-0.14,-0.5,0.5,0.5,0.5\n"
+                           "a,1.04,-0.02,-0.06,-0.14,0,0,0,0\n"
+                           "a,0.90,-0.02,-0.06,-0.14,-0.5,0.5,0.5,0.5\n"
+                           "a,1.06,-0.02,-0.06,-0.14,-0.5,0.5,0.5,0.5\n";
+  ASSERT_EQ(offline({"predict", "--model", model_, "--states", states, "-o", out}).code, 0);
+  std::ifstream file(out);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 6u);
+  EXPECT_EQ(lines[1].find("nan"), std::string::npos) << lines[1];
+  EXPECT_NE(lines[2].find("refused_not_finite"), std::string::npos) << lines[2];
+  EXPECT_NE(lines[3].find("refused_not_unit"), std::string::npos) << lines[3];
+  EXPECT_NE(lines[4].find("refused_time_backwards"), std::string::npos) << lines[4];
+  EXPECT_NE(lines[4].find(",nan,nan,nan"), std::string::npos) << lines[4];
+  EXPECT_EQ(lines[5].find("nan"), std::string::npos) << lines[5];
+}
+
+TEST_F(OfflineTest, BadInputIsExitCodeTwoWithTheReasonAndNothingWritten) {
+  expectRefused(offline({"train", "/nowhere", "-o", model_}), "/nowhere");
+  expectRefused(offline({"train", session_, "-o", model_, "--config", "/nowhere.yaml"}),
+                "nowhere.yaml");
+  expectRefused(
+      offline({"train", session_, "-o", model_, "--config", config_, "--hold-out", "5/5"}),
+      "hold-out");
+  expectRefused(offline({"predict", "--model", session_ + "/dataset.yaml", "--states", "x", "-o",
+                         folder_.path() + "/c.csv"}),
+                "not a complete bag");
+  expectRefused(offline({"evaluate", folder_.path()}), "dataset.yaml");
+  std::ofstream(config_) << "cleaning: {speed: 0.000001}\n";
+  expectRefused(offline({"train", session_, "-o", model_, "--config", config_}), "nothing left");
+  EXPECT_FALSE(fs::exists(model_));
+  EXPECT_EQ(offline({}).code, 2);
+  EXPECT_EQ(offline({"fly"}).code, 2);
+  EXPECT_EQ(offline({"train"}).code, 2);
+  EXPECT_EQ(offline({"--help"}).code, 0);
+}
+
+TEST_F(OfflineTest, AnExistingModelIsKept) {
+  std::ofstream(model_) << "precious";
+  expectRefused(offline({"train", session_, "-o", model_, "--config", config_}), "exists");
+  std::string content;
+  std::ifstream(model_) >> content;
+  EXPECT_EQ(content, "precious");
+}
+
+TEST_F(OfflineTest, AnEmptyBagIsRefused) {
+  const std::string empty = folder_.path() + "/empty.bag";
+  rosbag::Bag(empty, rosbag::bagmode::Write).close();
+  expectRefused(offline({"train", empty, "-o", model_}), "no message on servo_cp");
+}
+
+TEST_F(OfflineTest, FewerThanFiveTrajectoriesCannotBeEvaluated) {
+  const std::string small = folder_.path() + "/small";
+  ASSERT_EQ(offline({"simulate", "--trajectories", "4", "-o", small, "--simulation",
+                     "config/simulation/raven2_left_case2014.yaml"})
+                .code,
+            0);
+  expectRefused(offline({"evaluate", small, "--config", config_}), "at least 5");
+}
+
+}  // namespace
+}  // namespace raven_correction
