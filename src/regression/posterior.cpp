@@ -45,6 +45,13 @@ void checkSizes(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
 
 }  // namespace
 
+Eigen::MatrixXd groupTargets(const GpGroup& group, const Eigen::MatrixXd& targets) {
+  Eigen::MatrixXd selected(targets.rows(), Eigen::Index(group.outputs.size()));
+  for (std::size_t k = 0; k < group.outputs.size(); ++k)
+    selected.col(Eigen::Index(k)) = targets.col(group.outputs[k]);
+  return selected;
+}
+
 double noiseRatio(const GpGroup& group) {
   for (Eigen::Index k = 0; k < group.signal_variance.size(); ++k)
     if (group.signal_variance(k) > 0.0) return group.noise_variance(k) / group.signal_variance(k);

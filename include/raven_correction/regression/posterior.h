@@ -80,6 +80,9 @@ class SparseStatistics {
   double rows_ = 0.0;
 };
 
+/// Columns of n x q targets that belong to the group, in its order.
+Eigen::MatrixXd groupTargets(const GpGroup& group, const Eigen::MatrixXd& targets);
+
 /// rho: noise over signal variance of a group, from its first output that has any signal [-].
 double noiseRatio(const GpGroup& group);
 
