@@ -65,9 +65,9 @@ TEST(GroupedValidation, GradientAgreesWithCentralDifferences) {
           Eigen::VectorXd above = x, below = x;
           above(k) += h;
           below(k) -= h;
-          const double difference = (validation.evaluate(above, nullptr) -
-                                     validation.evaluate(below, nullptr)) /
-                                    (2.0 * h);
+          const double difference =
+              (validation.evaluate(above, nullptr) - validation.evaluate(below, nullptr)) /
+              (2.0 * h);
           EXPECT_NEAR(gradient(k), difference, 1e-6 * gradient.norm()) << k;
         }
       }
