@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A simulated arm together with everything that reports about it, brought forward in time: which
+// samples of encoders, set-points and motion capture fall into an interval.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "raven_correction/simulation/simulated_arm.h"
+
+namespace raven_correction {
+
+/// How often the controller reports [Hz], each in (0, 1000].
+struct ReportRates {
+  double measured_cp = 100.0;
+  double setpoint_cp = 100.0;
+  double measured_js = 100.0;
+};
+
+/// What was reported in one interval, each stream in the order of its stamps.
+struct CellReport {
+  PoseStream measured;                ///< forward kinematics of the encoders, base frame
+  PoseStream setpoint;                ///< what the controller aims at, base frame
+  std::vector<StampedJoints> joints;  ///< of the encoders, in the order of the robot's joints
+  PoseStream mocap;                   ///< the tool as motion capture saw it, base frame
+};
+
+/// Deterministic from its seed, its commands and the instants it is asked for. Not thread-safe.
+class SimulatedCell {
+ public:
+  /// The arm rests at its homing position.
+  /// @param start  [s]
+  /// @throws InvalidInput  a rate out of its range, or a bad configuration
+  SimulatedCell(const SimulationConfig& config, const ReportRates& rates, std::uint64_t seed,
+                double start);
+
+  /// See SimulatedArm::command().
+  IkStatus command(const StampedPose& X_base_tool) noexcept { return arm_.command(X_base_tool); }
+  /// Moves on and says what was reported meanwhile. Motion capture reports a frame when its stamp
+  /// has come, so that latency delays the message, too.
+  /// @param time  [s]; one before the last adds nothing
+  /// @return valid until the next call
+  const CellReport& advanceTo(double time);
+  /// Puts the arm back to rest at its homing position; reports go on from `start`.
+  void reset(double start);
+  /// Goes on at `start` after the clock has jumped, with the arm where it is. Pending commands are
+  /// forgotten.
+  void restart(double start);
+
+  const SimulatedArm& arm() const noexcept { return arm_; }
+  double time() const noexcept { return arm_.time(); }
+
+ private:
+  void restartReports(double start);
+  void reportAt(double time);
+
+  ReportRates rates_;
+  SimulatedArm arm_;
+  MotionCapture motion_capture_;
+  double next_measured_ = 0.0;
+  double next_setpoint_ = 0.0;
+  double next_joints_ = 0.0;
+  std::deque<StampedPose> in_flight_;  // frames whose stamp has not come yet
+  CellReport report_;
+};
+
+}  // namespace raven_correction

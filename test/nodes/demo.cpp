@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Do all nodes together do what the package is for: record, learn, correct, and come closer to the
+// targets? In small: few motions, so the demand is half of the error, not a fifth.
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <std_srvs/SetBool.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "raven_correction/CorrectionModel.h"
+#include "raven_correction/CorrectionStatus.h"
+#include "raven_correction/Retrain.h"
+#include "raven_correction/RunPlanner.h"
+#include "raven_correction/SetMode.h"
+#include "raven_correction/StartRecording.h"
+#include "raven_correction/StopRecording.h"
+#include "raven_correction/evaluation/visits.h"
+#include "raven_correction/ros/session_bag.h"
+#include "support/wait_for.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr double kLimit = 60.0;  // for a connection [s]
+constexpr unsigned kTargets = 6;
+constexpr unsigned kTrainingMotions = 24;
+
+class Demo : public ::testing::Test {
+ protected:
+  Demo() : nh("raven/left"), spinner(2) {
+    EXPECT_TRUE(ros::param::get("/directory", directory));
+    status_ = nh.subscribe<CorrectionStatus>("correction/status", 1000,
+                                             [this](const auto& msg) { ++codes[msg->code]; });
+    model_ = nh.subscribe<CorrectionModel>("correction/model", 1,
+                                           [this](const auto& msg) { model = msg->id; });
+    overlay_ = nh.subscribe<visualization_msgs::MarkerArray>(
+        "overlay", 10, [this](const auto& msg) { markers += msg->markers.size(); });
+    spinner.start();
+    for (const char* service : {"recorder/start", "planner/run", "trainer/retrain",
+                                "corrector/enable", "simulator/reset"})
+      EXPECT_TRUE(ros::service::waitForService(nh.resolveName(service), 60000)) << service;
+  }
+  ~Demo() override { spinner.stop(); }
+
+  template <typename Service>
+  typename Service::Response call(const std::string& name,
+                                  const typename Service::Request& request) {
+    typename Service::Response response;
+    EXPECT_TRUE(ros::service::call(nh.resolveName(name), request, response)) << name;
+    EXPECT_TRUE(response.success) << name << ": " << response.message;
+    return response;
+  }
+  /// @return the bag
+  std::string record(const std::string& name, unsigned motions, unsigned seed) {
+    StartRecording::Request start;
+    start.bag = name;
+    call<StartRecording>("recorder/start", start);
+    RunPlanner::Request run;
+    run.trajectories = motions;
+    run.seed = seed;
+    EXPECT_EQ(call<RunPlanner>("planner/run", run).trajectories, motions);
+    const StopRecording::Response stop = call<StopRecording>("recorder/stop", {});
+    EXPECT_EQ(stop.trajectories, motions);
+    EXPECT_GT(stop.pairs, 0u);
+    EXPECT_EQ(stop.bags.size(), 1u);
+    return stop.bags.empty() ? "" : stop.bags.front();
+  }
+  static std::vector<Visit> visits(const std::string& bag) {
+    const Session session = readSessionBag(bag);
+    std::vector<Visit> all;
+    for (std::size_t i = 0; i < session.goals.size(); ++i)
+      all.push_back(measureVisit(session.goals[i].trajectory, session.goals[i].target,
+                                 session.dataset.trajectories[i].observations, session.goals[i].end,
+                                 0.3));
+    return all;
+  }
+
+  ros::NodeHandle nh;
+  ros::AsyncSpinner spinner;
+  std::string directory;
+  std::map<int, unsigned> codes;  // of the corrector's status
+  std::string model;
+  std::size_t markers = 0;
+
+ private:
+  ros::Subscriber status_, model_, overlay_;
+};
+
+TEST_F(Demo, RecordsLearnsCorrectsAndComesCloser) {
+  const std::string before = record("before.bag", kTargets, 11);
+  const std::string training = record("training.bag", kTrainingMotions, 12);
+  EXPECT_EQ(codes.size(), 1u) << "switched off, it only passes poses on";
+  EXPECT_GT(codes[CorrectionStatus::PASSED_OFF], 0u);
+
+  Retrain::Request retrain;
+  retrain.bags = {training};
+  const Retrain::Response learnt = call<Retrain>("trainer/retrain", retrain);
+  EXPECT_TRUE(learnt.live) << learnt.message;
+  EXPECT_LT(learnt.position_after_mm, learnt.position_before_mm);
+  EXPECT_TRUE(waitFor([&] { return model == learnt.model; }, kLimit));
+  for (const std::string& file : learnt.files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+
+  SetMode::Request mode;
+  mode.mode = "full";
+  call<SetMode>("corrector/set_mode", mode);
+  std_srvs::SetBool::Request enable;
+  enable.data = true;
+  call<std_srvs::SetBool>("corrector/enable", enable);
+  const std::string after = record("after.bag", kTargets, 11);
+  EXPECT_GT(codes[CorrectionStatus::CORRECTED], 0u);
+
+  const VisitComparison comparison = compareVisits(visits(before), visits(after));
+  EXPECT_EQ(comparison.before.size(), kTargets);
+  EXPECT_GT(comparison.summary_before.position_norm, 0.005);
+  EXPECT_LT(comparison.summary_after.position_norm, 0.5 * comparison.summary_before.position_norm);
+  EXPECT_LT(comparison.summary_after.angle_norm, 0.5 * comparison.summary_before.angle_norm);
+  EXPECT_GT(markers, 0u);
+}
+
+}  // namespace
+}  // namespace raven_correction
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "test_demo");
+  ros::NodeHandle nh;
+  return RUN_ALL_TESTS();
+}

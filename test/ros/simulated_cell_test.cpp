@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The reports of a simulated arm: how many there are in an interval, their stamps, and that they do
+// not depend on how often one asks.
+#include "raven_correction/ros/simulated_cell.h"
+
+#include <gtest/gtest.h>
+
+#include "raven_correction/error.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr double kStart = 1e6;
+
+const SimulationConfig& simulation() {
+  static const SimulationConfig config =
+      loadSimulationConfig("config/simulation/raven2_left_case2014.yaml");
+  return config;
+}
+
+void append(const CellReport& part, CellReport& all) {
+  all.measured.insert(all.measured.end(), part.measured.begin(), part.measured.end());
+  all.setpoint.insert(all.setpoint.end(), part.setpoint.begin(), part.setpoint.end());
+  all.joints.insert(all.joints.end(), part.joints.begin(), part.joints.end());
+  all.mocap.insert(all.mocap.end(), part.mocap.begin(), part.mocap.end());
+}
+
+/// A small circle for `duration`, commands at 50 Hz, asked for every `tick`.
+CellReport circle(double tick, double duration, std::uint64_t seed) {
+  ReportRates rates;
+  rates.measured_cp = 100.0;
+  rates.setpoint_cp = 50.0;
+  rates.measured_js = 25.0;
+  SimulatedCell cell(simulation(), rates, seed, kStart);
+  const Pose home = cell.arm().setpointPose();
+  CellReport all;
+  double next_command = kStart;
+  for (double now = kStart; now <= kStart + duration; now += tick) {
+    while (next_command <= now) {
+      Pose pose = home;
+      const double angle = 2.0 * (next_command - kStart);
+      pose.p += 0.01 * Eigen::Vector3d(std::cos(angle) - 1.0, std::sin(angle), 0.0);
+      cell.command({next_command, pose});
+      next_command += 0.02;
+    }
+    append(cell.advanceTo(now), all);
+  }
+  append(cell.advanceTo(kStart + duration), all);
+  return all;
+}
+
+TEST(SimulatedCell, ReportsAtItsRates) {
+  const CellReport all = circle(1e-3, 2.0, 1);
+  EXPECT_NEAR(static_cast<double>(all.measured.size()), 201.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(all.setpoint.size()), 101.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(all.joints.size()), 51.0, 1.0);
+  // Frames may be missing, never more than the cameras take.
+  EXPECT_LE(all.mocap.size(), 241u);
+  EXPECT_GT(all.mocap.size(), 120u);
+  for (std::size_t i = 1; i < all.measured.size(); ++i)
+    EXPECT_NEAR(all.measured[i].stamp - all.measured[i - 1].stamp, 0.01, 1e-6);
+  for (std::size_t i = 1; i < all.mocap.size(); ++i)
+    EXPECT_GE(all.mocap[i].stamp, all.mocap[i - 1].stamp);
+  EXPECT_EQ(all.joints.front().positions.size(), simulation().robot.size());
+}
+
+TEST(SimulatedCell, DoesNotDependOnHowOftenOneAsks) {
+  const CellReport often = circle(1e-3, 1.0, 7);
+  const CellReport seldom = circle(9e-3, 1.0, 7);
+  ASSERT_EQ(often.measured.size(), seldom.measured.size());
+  ASSERT_EQ(often.mocap.size(), seldom.mocap.size());
+  for (std::size_t i = 0; i < often.mocap.size(); ++i) {
+    EXPECT_EQ(often.mocap[i].stamp, seldom.mocap[i].stamp);
+    EXPECT_LT((often.mocap[i].pose.p - seldom.mocap[i].pose.p).norm(), 1e-9);
+  }
+  for (std::size_t i = 0; i < often.measured.size(); ++i)
+    EXPECT_LT((often.measured[i].pose.p - seldom.measured[i].pose.p).norm(), 1e-9);
+}
+
+TEST(SimulatedCell, AnEqualSeedGivesEqualFramesAndAnotherDoesNot) {
+  const CellReport one = circle(1e-3, 0.5, 3);
+  const CellReport same = circle(1e-3, 0.5, 3);
+  const CellReport other = circle(1e-3, 0.5, 4);
+  ASSERT_EQ(one.mocap.size(), same.mocap.size());
+  for (std::size_t i = 0; i < one.mocap.size(); ++i)
+    EXPECT_EQ(one.mocap[i].pose.p, same.mocap[i].pose.p);
+  EXPECT_NE(one.mocap.front().pose.p, other.mocap.front().pose.p);
+}
+
+TEST(SimulatedCell, LatencyDelaysTheMessageToo) {
+  SimulationConfig config = simulation();
+  config.motion_capture.latency = 0.05;
+  SimulatedCell cell(config, {}, 1, kStart);
+  for (double now = kStart; now < kStart + 1.0; now += 1e-3)
+    for (const StampedPose& frame : cell.advanceTo(now).mocap) {
+      EXPECT_LE(frame.stamp, now);
+      EXPECT_GT(frame.stamp, now - 0.05);
+    }
+}
+
+TEST(SimulatedCell, ResetGoesHomeAndRestartStaysWhereItIs) {
+  SimulatedCell cell(simulation(), {}, 1, kStart);
+  const Pose home = cell.arm().setpointPose();
+  Pose away = home;
+  away.p.x() += 0.01;
+  ASSERT_TRUE(reproducesPose(cell.command({kStart, away})));
+  cell.advanceTo(kStart + 1.0);
+  ASSERT_LT((cell.arm().setpointPose().p - away.p).norm(), 1e-9);
+
+  cell.restart(kStart - 100.0);  // a bag that starts again
+  EXPECT_LT((cell.arm().setpointPose().p - away.p).norm(), 1e-9);
+  const CellReport& after = cell.advanceTo(kStart - 99.995);
+  ASSERT_FALSE(after.measured.empty());
+  EXPECT_EQ(after.measured.front().stamp, kStart - 100.0);
+
+  cell.reset(kStart - 99.0);
+  EXPECT_LT((cell.arm().setpointPose().p - home.p).norm(), 1e-12);
+}
+
+TEST(SimulatedCell, RefusesARateItCannotKeep) {
+  for (const double rate : {0.0, -1.0, 1001.0}) {
+    ReportRates rates;
+    rates.measured_js = rate;
+    EXPECT_THROW(SimulatedCell(simulation(), rates, 1, kStart), InvalidInput) << rate;
+  }
+}
+
+}  // namespace
+}  // namespace raven_correction
