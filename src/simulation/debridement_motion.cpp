@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "raven_correction/error.h"
+#include "raven_correction/simulation/minimum_jerk.h"
 
 namespace raven_correction {
 namespace {
@@ -13,13 +14,6 @@ constexpr int kMaxDraws = 1000;       // of a random pose before the field count
 constexpr double kBlend = 0.7;        // the next move starts at this share of the one before
 constexpr double kPeakSpeed = 1.875;  // of a minimum-jerk move of unit length and duration
 constexpr double kPeakAcceleration = 5.7735;  // 10 / sqrt(3)
-
-/// Minimum-jerk profile: 0 to 1 for s in [0, 1], at rest and without acceleration at both ends.
-/// Source: Flash, Hogan 1985, doi:10.1523/JNEUROSCI.05-07-01688.1985
-double minimumJerk(double s) noexcept {
-  s = std::clamp(s, 0.0, 1.0);
-  return s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-}
 
 void requireInside(const char* what, const Eigen::Vector3d& p, const DebridementConfig& config) {
   for (int i = 0; i < 3; ++i) {

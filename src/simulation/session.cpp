@@ -45,7 +45,7 @@ class Recorder {
       arm_.advanceTo(now);
       if (now == next_encoder_) {
         trajectory.encoders.push_back({now, arm_.measuredPose()});
-        trajectory.joint_observations.samples.push_back({now, arm_.motorJoints()});
+        trajectory.joint_observations.samples.push_back({now, arm_.encoderJoints()});
         next_encoder_ += 1.0 / config_.encoder_rate;
       }
       if (now == mocap_.nextExposure()) {
@@ -80,6 +80,16 @@ class Recorder {
   double next_encoder_ = 0.0;
 };
 
+Dataset describe(const SimulationConfig& config, const char* what, std::uint64_t seed) {
+  Dataset dataset;
+  dataset.name = config.name;
+  dataset.description = format("%s, seed %llu; %s", what, static_cast<unsigned long long>(seed),
+                               config.description.c_str());
+  dataset.frame = config.robot.frame();
+  dataset.arm = config.robot.name();
+  return dataset;
+}
+
 }  // namespace
 
 Dataset simulateSession(const SimulationConfig& config, int trajectories, std::uint64_t seed) {
@@ -89,12 +99,7 @@ Dataset simulateSession(const SimulationConfig& config, int trajectories, std::u
   Recorder recorder(config, seed + 1);
   recorder.startAt(kStart);
   recorder.arm().reset(kStart, motion.rest());
-  Dataset dataset;
-  dataset.name = config.name;
-  dataset.description = format("simulated debridement session, seed %llu; %s",
-                               static_cast<unsigned long long>(seed), config.description.c_str());
-  dataset.frame = config.robot.frame();
-  dataset.arm = config.robot.name();
+  Dataset dataset = describe(config, "simulated debridement session", seed);
   double start = kStart + kSettle;
   for (int i = 0; i < trajectories; ++i) {
     const DebridementTrajectory planned = motion.next(start);
@@ -104,6 +109,25 @@ Dataset simulateSession(const SimulationConfig& config, int trajectories, std::u
     recorder.arm().setPayload(planned.holding ? kFragmentMass : 0.0);
     recorder.record(trajectory);
     start = trajectory.commands.back().stamp + kBetween;
+    dataset.trajectories.push_back(std::move(trajectory));
+  }
+  return dataset;
+}
+
+Dataset simulateExcitation(const SimulationConfig& config, const ExcitationConfig& excitation,
+                           std::uint64_t seed) {
+  Recorder recorder(config, seed + 1);
+  recorder.startAt(kStart);
+  Dataset dataset = describe(config, "simulated excitation session", seed);
+  const double start = kStart + kSettle;
+  int number = 0;
+  for (ExcitationTrajectory& planned :
+       excitationMotions(excitation, config.debridement, config.robot, start, seed)) {
+    if (number == 0) recorder.arm().reset(kStart, planned.commands.front().pose);
+    Trajectory trajectory;
+    trajectory.id = format("t%03d_%s", number++, planned.label.c_str());
+    trajectory.commands = std::move(planned.commands);
+    recorder.record(trajectory);
     dataset.trajectories.push_back(std::move(trajectory));
   }
   return dataset;
@@ -160,7 +184,7 @@ std::vector<ReplaySample> replay(SimulatedArm& arm, const PoseStream& commands,
   samples.reserve(instants.size());
   for (const double instant : instants) {
     arm.advanceTo(instant);
-    samples.push_back({arm.toolPose(), arm.measuredPose(), arm.joints(), arm.motorJoints()});
+    samples.push_back({arm.toolPose(), arm.measuredPose(), arm.joints(), arm.encoderJoints()});
   }
   return samples;
 }

@@ -127,6 +127,11 @@ void SimulatedArm::step(double end) noexcept {
   runStages(context, false, q);
 }
 
+JointVector SimulatedArm::encoderJoints() const noexcept {
+  if (!config_.quantise_encoders || config_.coupling.empty()) return state_.motor;
+  return config_.coupling.quantised(config_.robot, state_.motor, state_.jaw);
+}
+
 Pose SimulatedArm::toolPose() const noexcept {
   Pose X = X_base_robot_ * real_chain_.forward(state_.joint) * X_tool_observed_;
   for (const auto& effect : config_.effects)

@@ -30,12 +30,13 @@ std::string folderOf(const std::string& path) {
   return slash == std::string::npos ? std::string(".") : path.substr(0, slash);
 }
 
-/// The robot file as written; beside the simulation; in ../robots/; in config/robots/ of the
-/// working directory. Empty if there is none.
+/// The robot file: as written if that is an absolute path that exists, else in ../robots/ of the
+/// simulation's folder, beside the simulation, relative to the working directory, or in
+/// config/robots/ there. Empty if there is none.
 std::string findRobotFile(const std::string& written, const std::string& simulation_path) {
   const std::string name = written.substr(written.rfind('/') + 1);  // npos + 1 = 0
   const std::string folder = folderOf(simulation_path);
-  const std::string places[] = {folder + "/" + written, folder + "/../robots/" + name, written,
+  const std::string places[] = {folder + "/../robots/" + name, folder + "/" + written, written,
                                 "config/robots/" + name};
   for (const std::string& place : places) {
     if (written[0] == '/' && isFile(written)) return written;
@@ -219,6 +220,7 @@ SimulationConfig loadSimulationConfig(const std::string& path) {
     } else {
       try {
         config.robot = loadKinematicChain(robot_path);
+        config.coupling = loadCableCoupling(robot_path);
         config.robot_file = robot_path;
         has_robot = true;
       } catch (const InvalidInput& error) {
@@ -228,6 +230,9 @@ SimulationConfig loadSimulationConfig(const std::string& path) {
   }
   reader.number("step", config.step, 1e-5, 0.1);
   reader.number("encoder_rate", config.encoder_rate, 1.0, 2000.0);
+  reader.flag("quantise_encoders", config.quantise_encoders);
+  if (config.quantise_encoders && has_robot && config.coupling.empty())
+    reader.problem("quantise_encoders", "the robot file has no section transmission");
   int mode = 0;
   reader.choice("setpoints", mode, kSetpointModes);
   config.setpoints = static_cast<SetpointMode>(mode);
@@ -256,6 +261,7 @@ void saveSimulationConfig(const SimulationConfig& config, const std::string& pat
   text += "name: \"" + config.name + "\"\ndescription: \"" + config.description + "\"\n";
   text += "robot: \"" + robot_file + "\"\nstep: " + number(config.step) + "\n";
   text += "encoder_rate: " + number(config.encoder_rate) +
+          "\nquantise_encoders: " + (config.quantise_encoders ? "true" : "false") +
           "\nsetpoints: " + kSetpointModes[static_cast<std::size_t>(config.setpoints)] + "\n";
   text += config.effects.empty() ? "effects: []\n" : "effects:\n";
   for (const auto& effect : config.effects) {

@@ -4,7 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
 #include "raven_correction/error.h"
+#include "raven_correction/geometry/statistics.h"
 #include "simulation/simulations.h"
 
 namespace raven_correction {
@@ -95,6 +100,101 @@ TEST(Session, ReplayGivesPosesAtInstants) {
   ASSERT_EQ(samples.size(), 2u);
   EXPECT_LT((samples[0].tool.p - trajectory.commands.front().pose.p).norm(), 1e-9);
   EXPECT_LT((samples[1].tool.p - trajectory.target.p).norm(), 1e-9);
+}
+
+// Every joint moves alone, both ways, at every speed, and comes to rest after each stroke.
+TEST(Session, ExcitationMovesEveryJointAlone) {
+  const SimulationConfig config = shippedSimulation("nominal");
+  const ExcitationConfig excitation;
+  const Dataset session = simulateExcitation(config, excitation, 2);
+  ASSERT_EQ(session.trajectories.size(), 2u * 3u * 6u);
+  double last = 0.0;
+  for (std::size_t i = 0; i < session.trajectories.size(); ++i) {
+    const Trajectory& trajectory = session.trajectories[i];
+    EXPECT_GT(trajectory.commands.front().stamp, last);
+    last = trajectory.commands.back().stamp;
+    if (i % 2 == 0) continue;  // an approach
+    const int moving = static_cast<int>(i / 2) % 6;
+    const Eigen::VectorXd base = trajectory.joint_commands.samples.front().positions;
+    Eigen::VectorXd lowest = base;
+    Eigen::VectorXd highest = base;
+    for (const StampedJoints& sample : trajectory.joint_commands.samples) {
+      lowest = lowest.cwiseMin(sample.positions);
+      highest = highest.cwiseMax(sample.positions);
+    }
+    for (int j = 0; j < 6; ++j) {
+      const double range = config.robot.upper()(j) - config.robot.lower()(j);
+      if (j == moving) {
+        EXPECT_GT(highest(j) - base(j), 0.02 * range) << trajectory.id;
+        EXPECT_GT(base(j) - lowest(j), 0.02 * range) << trajectory.id;
+      } else {
+        EXPECT_LT(highest(j) - lowest(j), 1e-8) << trajectory.id << " moves joint " << j;
+      }
+    }
+  }
+}
+
+TEST(Session, BothArmsAreIndependent) {
+  const SimulationConfig left = shippedSimulation("raven2_left_case2014");
+  const SimulationConfig right = shippedSimulation("raven2_right");
+  const Dataset alone = simulateSession(right, 4, 8);
+  const Dataset other = simulateSession(left, 4, 7);
+  EXPECT_TRUE(equal(alone, simulateSession(right, 4, 8)));
+  EXPECT_EQ(alone.arm, "raven2_right");
+  EXPECT_FALSE(equal(alone, other));
+}
+
+TEST(Session, EncodersCountInWholeSteps) {
+  SimulationConfig config = shippedSimulation("nominal");
+  config.quantise_encoders = true;
+  const Dataset session = simulateSession(config, 3, 6);
+  double largest = 0.0;
+  for (const StampedJoints& sample : session.trajectories[0].joint_observations.samples) {
+    const JointVector again = config.coupling.quantised(config.robot, sample.positions, 0.0);
+    EXPECT_LT((again - sample.positions).cwiseAbs().maxCoeff(), 1e-9);
+  }
+  SimulatedArm arm(config, 0.0);
+  for (double z = 0.0; z < 0.01; z += 1e-4) {
+    Pose X = config.robot.forward(config.robot.home());
+    X.p.z() -= z;
+    arm.command({arm.time(), X});
+    arm.advanceTo(arm.time() + 0.01);
+    largest = std::max(largest, (arm.measuredPose().p - X.p).norm());
+  }
+  EXPECT_GT(largest, 1e-7);
+  EXPECT_LT(largest, 1e-4);
+}
+
+// The simulation at 1 kHz in forward kinematics per step, which does not depend on the machine: 100
+// times real time are 10 us per step, and a forward kinematics takes about 0.15 us.
+TEST(Session, IsFarFasterThanRealTime) {
+  using Clock = std::chrono::steady_clock;
+  const SimulationConfig config = shippedSimulation("raven2_left_case2014");
+  SimulatedArm arm(config, 0.0);
+  DebridementMotion motion(config.debridement, config.robot, 1);
+  std::vector<double> simulated;
+  std::vector<double> forward;
+  double sink = 0.0;
+  double start = 0.0;
+  for (int k = 0; k < 30; ++k) {
+    const PoseStream commands = motion.next(start).commands;
+    for (const StampedPose& command : commands) {
+      const auto t0 = Clock::now();
+      arm.command(command);
+      arm.advanceTo(command.stamp);  // 20 steps of 1 ms
+      sink += arm.toolPose().p.x() + arm.measuredPose().p.x();
+      const auto t1 = Clock::now();
+      for (int i = 0; i < 20; ++i) sink += config.robot.forward(arm.joints()).p.x();
+      const auto t2 = Clock::now();
+      simulated.push_back(std::chrono::duration<double>(t1 - t0).count());
+      forward.push_back(std::chrono::duration<double>(t2 - t1).count());
+    }
+    start = commands.back().stamp + 0.02;
+  }
+  EXPECT_TRUE(std::isfinite(sink));
+  std::printf("%.0f times real time, %.1f forward kinematics per step\n", 0.02 / median(simulated),
+              median(simulated) / median(forward));
+  EXPECT_LT(median(simulated) / median(forward), 50.0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "raven_correction/dataset/trajectory.h"
+#include "raven_correction/simulation/excitation_motion.h"
 #include "raven_correction/simulation/simulated_arm.h"
 #include "raven_correction/simulation/simulation_config.h"
 
@@ -16,6 +17,11 @@ namespace raven_correction {
 /// @param trajectories  how many, > 0
 /// @throws InvalidInput  a bad configuration (see DebridementMotion)
 Dataset simulateSession(const SimulationConfig& config, int trajectories, std::uint64_t seed);
+
+/// A session made for identification: see excitation_motion.h. Ids end in joint and stroke time.
+/// @throws InvalidInput  a bad configuration
+Dataset simulateExcitation(const SimulationConfig& config, const ExcitationConfig& excitation,
+                           std::uint64_t seed);
 
 /// What the simulated robot would have done under these commands. Trajectories keep their ids and
 /// stamps. Between two of them the arm goes to the first pose of the next and waits there, so plays
@@ -30,7 +36,7 @@ struct ReplaySample {
   Pose tool;           ///< as motion capture would see it without noise, X_base_tool
   Pose measured;       ///< forward kinematics of the encoders, X_base_tool
   JointVector joints;  ///< joint side
-  JointVector motors;  ///< motor side, in joint units
+  JointVector motors;  ///< as the encoders report them, in joint units
 };
 
 /// Noise-free poses under the commands of one trajectory at given instants: what a fit compares

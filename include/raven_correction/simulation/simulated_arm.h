@@ -65,11 +65,13 @@ class SimulatedArm {
   /// The tool as registered motion capture sees it, without noise: X_base_tool.
   Pose toolPose() const noexcept;
   /// Nominal forward kinematics of the encoders (measured_cp).
-  Pose measuredPose() const noexcept { return config_.robot.forward(state_.motor); }
+  Pose measuredPose() const noexcept { return config_.robot.forward(encoderJoints()); }
   /// Nominal forward kinematics of the present set-point (setpoint_cp).
   Pose setpointPose() const noexcept { return config_.robot.forward(state_.setpoint); }
   const JointVector& setpointJoints() const noexcept { return state_.setpoint; }
-  const JointVector& motorJoints() const noexcept { return state_.motor; }  ///< measured_js
+  /// What the encoders report (measured_js): motorJoints(), in whole counts if so configured.
+  JointVector encoderJoints() const noexcept;
+  const JointVector& motorJoints() const noexcept { return state_.motor; }
   const JointVector& joints() const noexcept { return state_.joint; }
 
   double jaw() const noexcept { return state_.jaw; }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/robot/cable_coupling.h"
 #include "raven_correction/robot/kinematic_chain.h"
 #include "raven_correction/simulation/debridement_motion.h"
 #include "raven_correction/simulation/effect.h"
@@ -28,6 +29,9 @@ struct SimulationConfig {
   KinematicChain robot;    ///< nominal: what the controller believes
   double step = 1e-3;      ///< longest internal step [s], in (0, 0.1]
   double encoder_rate = 50.0;  ///< of measured_cp and measured_js in simulated sessions [Hz]
+  CableCoupling coupling;      ///< of the robot's file; empty if that has none
+  /// Encoders count in whole steps: measured_js and measured_cp have the resolution of the robot.
+  bool quantise_encoders = false;
   SetpointMode setpoints = SetpointMode::kHold;
   std::vector<std::shared_ptr<const Effect>> effects;  ///< each at most once, in acting order
   MotionCaptureConfig motion_capture;
@@ -40,7 +44,7 @@ struct SimulationConfig {
   void remove(const std::string& effect_name);
 };
 
-/// @param path  YAML; a robot file is looked for beside it, then in ../robots/ of its folder
+/// @param path  YAML; a robot file is looked for in ../robots/ of its folder, then beside it
 /// @throws InvalidInput  one text that lists every problem, its place and what is allowed
 SimulationConfig loadSimulationConfig(const std::string& path);
 /// Writes a file that loadSimulationConfig() reads back to the same simulation, bit for bit.
