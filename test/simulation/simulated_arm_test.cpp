@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "raven_correction/error.h"
+#include "raven_correction/robot/chain_file.h"
 #include "simulation/simulations.h"
 
 namespace raven_correction {
@@ -174,6 +175,23 @@ TEST(SimulatedArm, StopsAtJointLimits) {
   EXPECT_EQ(arm.command({1.0, config.robot.forward(q)}), IkStatus::kOutsideLimits);
   arm.advanceTo(1.1);
   EXPECT_EQ(arm.joints()(shoulder), config.robot.upper()(shoulder));
+}
+
+// Nothing knows the Raven: another robot file is another simulated robot.
+TEST(SimulatedArm, AnyRobotCanBeSimulated) {
+  SimulationConfig config;
+  config.name = "psm";
+  config.robot = loadKinematicChain("config/robots/psm.yaml");
+  for (const std::string& name : effectNames()) config.set(makeEffect(name, config.robot));
+  config.set(effectWith("backlash", config.robot, {{"w[pitch]", 0.02}}));
+  SimulatedArm arm(config, 0.0);
+  JointVector q = config.robot.home() + 0.1 * JointVector::Unit(6, 0);
+  q += 0.2 * JointVector::Unit(6, 1);
+  EXPECT_EQ(arm.command({0.1, config.robot.forward(q)}), IkStatus::kOk);
+  arm.advanceTo(0.2);
+  const JointVector expected = q - 0.01 * JointVector::Unit(6, 1);
+  EXPECT_LT((arm.joints() - expected).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((arm.motorJoints() - q).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 }  // namespace
