@@ -231,7 +231,7 @@ record after "$targets" "$target_seed"
 
 say "5/5 resting error at the targets, as motion capture saw it:"
 status=0
-rosrun raven_correction offline compare "$output/before.bag" "$output/after.bag" \
+"${CMAKE_PREFIX_PATH%%:*}/lib/raven_correction/offline" compare "$output/before.bag" "$output/after.bag" \
   --bag "$training" --model "$model" --max-ratio 0.2 --json "$json" || status=$?
 say "wrote $output/{before,training,after}.bag, $model and $json"
 if ((status != 0)); then

@@ -105,8 +105,9 @@ Prediction Predictor::predict(const Motion& motion, Workspace& workspace) const 
     prediction.h_share = 1.0 - smoothStep(ratio, model_.trust.fade_start, model_.trust.fade_end);
     full = applyCorrection(prediction.rigid, y * prediction.h_share);
   }
-  prediction.g_share = 1.0 - smoothStep(distanceToBox(motion.pose.p, model_.trust), 0.0,
-                                        model_.trust.workspace_margin);
+  const double margin = model_.trust.workspace_margin;
+  prediction.g_share =
+      1.0 - smoothStep(distanceToBox(motion.pose.p, model_.trust), margin, 2.0 * margin);
   prediction.command =
       prediction.g_share == 1.0 ? full : interpolate(motion.pose, full, prediction.g_share);
   if (!isFinite(prediction.command)) {

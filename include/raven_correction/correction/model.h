@@ -18,7 +18,9 @@ namespace raven_correction {
 struct TrustRegion {
   Eigen::Vector3d workspace_min = Eigen::Vector3d::Zero();  ///< of training poses before G [m]
   Eigen::Vector3d workspace_max = Eigen::Vector3d::Zero();  ///< of training poses before G [m]
-  double workspace_margin = 0.05;  ///< G is gone this far outside the box, > 0 [m]
+  /// Desired poses lie as far from the observed ones as the robot errs, so the box is grown by this
+  /// margin, > 0; G is gone when the distance to the box is twice as much. [m]
+  double workspace_margin = 0.05;
   /// Ratio of predicted to prior deviation at which H begins to fade and at which it is gone,
   /// 0 < start < end <= 1 [-]. At 1 the data say nothing.
   double fade_start = 0.8;

@@ -45,7 +45,7 @@ class Predictor {
   ///
   ///   w_H = 1 - smoothstep(rho; fade_start, fade_end), rho the largest ratio of predicted to prior
   ///         deviation of the outputs
-  ///   w_G = 1 - smoothstep(distance to the workspace box; 0, margin)
+  ///   w_G = 1 - smoothstep(distance to the workspace box; margin, 2 margin)
   ///   command = x moved towards (G x moved towards F x by w_H) by w_G
   Prediction predict(const Motion& motion, Workspace& workspace) const noexcept;
 
