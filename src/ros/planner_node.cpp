@@ -169,6 +169,10 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
     throw InvalidInput(
         format("speed = %g m/s is outside [0, 1]; 0 takes the planner's own", request.speed));
   if (request.speed > 0.0) config.speed = request.speed;
+  if (!(request.turn >= 0.0 && request.turn <= 1.0))
+    throw InvalidInput(
+        format("turn = %g rad is outside [0, 1]; 0 takes the planner's own", request.turn));
+  if (request.turn > 0.0) config.orientation_deviation.setConstant(request.turn);
   const std::string prefix = request.prefix.empty() ? "t" : request.prefix;
   DebridementMotion motion(config, robot_, request.seed);
 

@@ -6,6 +6,8 @@
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 
+#include <algorithm>
+#include <cmath>
 #include <future>
 #include <mutex>
 #include <vector>
@@ -229,6 +231,30 @@ TEST_F(Planner, RefusesARunOfNothingAndASpeedThatIsNone) {
   ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
   EXPECT_FALSE(call.response.success);
   EXPECT_NE(call.response.message.find("speed"), std::string::npos) << call.response.message;
+  call.request.speed = 0.0;
+  call.request.turn = -0.1;
+  ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
+  EXPECT_FALSE(call.response.success);
+  EXPECT_NE(call.response.message.find("turn"), std::string::npos) << call.response.message;
+}
+
+TEST_F(Planner, TurnsTheToolFurtherWhenAsked) {
+  aimAt(kHome);
+  clear();
+  RunPlanner call;
+  call.request.trajectories = 6;
+  call.request.seed = 3;
+  call.request.turn = 0.3;
+  ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
+  EXPECT_TRUE(call.response.success) << call.response.message;
+  ASSERT_TRUE(waitForEvents(12));
+  // The shipped deviation of 0.1 rad keeps every axis within two of it, and so every angle below
+  // sqrt(3) 0.2; of six poses drawn with 0.3, all that close is a chance below one in a thousand.
+  const Eigen::Quaterniond mean = DebridementConfig().orientation.normalized();
+  double largest = 0.0;
+  for (const TrajectoryEvent& event : copy().events)
+    largest = std::max(largest, rotationAngle(poseFromMsg(event.target).q, mean));
+  EXPECT_GT(largest, std::sqrt(3.0) * 0.2);
 }
 
 TEST(PlannerParams, TheShippedFileHoldsTheDefaults) {
