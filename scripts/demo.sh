@@ -200,8 +200,9 @@ record() {
 target_seed=$((1000 + seed))
 training_seed=$((2000 + seed))
 # The model learns from where the tool was seen, and is asked about where it is wanted. As the tool
-# is turned by half a radian against its commands, the training has to turn it further than that.
+# is half a radian and three centimetres off its commands, the training has to reach further, too.
 turn=0.35
+margin=0.025
 
 say "starting the nodes; everything is written to $output"
 mkdir -p -- "$output/ros"
@@ -218,7 +219,7 @@ say "1/5 visiting $targets targets without correction"
 record before "{trajectories: $targets, seed: $target_seed}"
 
 say "2/5 recording $trajectories other motions to learn from"
-record training "{trajectories: $trajectories, seed: $training_seed, turn: $turn}"
+record training "{trajectories: $trajectories, seed: $training_seed, turn: $turn, margin: $margin}"
 training=$output/training.bag
 
 say "3/5 retraining:"

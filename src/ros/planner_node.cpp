@@ -173,6 +173,12 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
     throw InvalidInput(
         format("turn = %g rad is outside [0, 1]; 0 takes the planner's own", request.turn));
   if (request.turn > 0.0) config.orientation_deviation.setConstant(request.turn);
+  if (!(request.margin >= 0.0 && request.margin <= 0.05))
+    throw InvalidInput(format("margin = %g m is outside [0, 0.05]; 0 takes the field as configured",
+                              request.margin));
+  config.field_size.array() += 2.0 * request.margin;
+  config.box_lower.array() -= request.margin;
+  config.box_upper.array() += request.margin;
   const std::string prefix = request.prefix.empty() ? "t" : request.prefix;
   DebridementMotion motion(config, robot_, request.seed);
 

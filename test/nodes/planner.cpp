@@ -236,6 +236,11 @@ TEST_F(Planner, RefusesARunOfNothingAndASpeedThatIsNone) {
   ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
   EXPECT_FALSE(call.response.success);
   EXPECT_NE(call.response.message.find("turn"), std::string::npos) << call.response.message;
+  call.request.turn = 0.0;
+  call.request.margin = 0.5;
+  ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
+  EXPECT_FALSE(call.response.success);
+  EXPECT_NE(call.response.message.find("margin"), std::string::npos) << call.response.message;
 }
 
 TEST_F(Planner, TurnsTheToolFurtherWhenAsked) {
