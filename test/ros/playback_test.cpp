@@ -157,7 +157,9 @@ TEST(SmoothMove, KeepsItsLimitsAndReachesBothEnds) {
     // And one of the limits is used: the move is not slower than it has to be.
     const double used =
         std::max({fastest / speed, fastest_turn / angular_speed, hardest / acceleration});
-    if (move.translation.norm() > 0.0) EXPECT_GT(used, 0.98);
+    if (move.translation.norm() > 0.0) {
+      EXPECT_GT(used, 0.98);
+    }
   }
 }
 
