@@ -4,12 +4,14 @@
 # package tests (install space, workspace). `catkin_make run_tests` or `./run test` runs them.
 
 # Tests run in catkin's snapshot of the environment, which names this workspace only: add Debian's
-# ROS packages. And a test that hangs must end: after 15 minutes it is killed and counts as failed.
+# ROS packages. And a test that hangs must end: after 15 minutes (lint and package: 45, they compile) it
+# is killed and counts as failed.
 if(EXISTS /usr/share/roscpp/package.xml)
   set(append_packages "ROS_PACKAGE_PATH=\"$ROS_PACKAGE_PATH:/usr/share\" exec \"$@\"")
   list(APPEND CATKIN_ENV sh -c ${append_packages} test)
 endif()
-list(APPEND CATKIN_ENV timeout 900)
+set(test_environment ${CATKIN_ENV})
+set(CATKIN_ENV ${test_environment} timeout 900)
 
 # --- rooms --------------------------------------------------------------------------------------
 # As catkin_add_gtest(), which however insists on running a file with the name of the target.
@@ -74,15 +76,17 @@ endforeach()
 
 # --- lint and package: of the source folder as a whole, so only where it is built alone -------------
 if(CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR)
+  set(CATKIN_ENV ${test_environment} ${CMAKE_COMMAND} -E env RAVEN_BUILD=${CMAKE_BINARY_DIR} timeout 2700)
   set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME})
-  set(lint ${PROJECT_SOURCE_DIR}/test/lint)
-  catkin_run_tests_target(lint rules lint_rules.xml
-    COMMAND "${PYTHON_EXECUTABLE} ${lint}/test_lint.py --gtest_output=xml:${results}/lint_rules.xml")
+  foreach(script lint/test_lint package/test_run package/test_package)
+    get_filename_component(name ${script} NAME)
+    set(file ${PROJECT_SOURCE_DIR}/test/${script}.py)
+    catkin_run_tests_target(python ${name} ${name}.xml
+      COMMAND "${PYTHON_EXECUTABLE} '${file}' '--gtest_output=xml:${results}/${name}.xml'"
+      DEPENDENCIES ${own_libraries} ${node_targets})
+  endforeach()
+  set(lint ${PROJECT_SOURCE_DIR}/test/lint/lint.py)
   catkin_run_tests_target(lint all lint.xml
-    COMMAND "${PYTHON_EXECUTABLE} ${lint}/lint.py --build ${CMAKE_BINARY_DIR} --results ${results}/lint.xml"
-    DEPENDENCIES ${own_libraries} ${node_targets})
-  set(package_test ${PROJECT_SOURCE_DIR}/test/package/test_package.py)
-  catkin_run_tests_target(package all package.xml
-    COMMAND "${CMAKE_COMMAND} -E env RAVEN_BUILD=${CMAKE_BINARY_DIR} ${PYTHON_EXECUTABLE} ${package_test} --gtest_output=xml:${results}/package.xml"
+    COMMAND "${PYTHON_EXECUTABLE} '${lint}' --build '${CMAKE_BINARY_DIR}' --results '${results}/lint.xml'"
     DEPENDENCIES ${own_libraries} ${node_targets})
 endif()

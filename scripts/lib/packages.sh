@@ -24,16 +24,16 @@ missing_packages() {
   printf '%s\n' "${wanted[@]}" | sort -u | grep -vxF -e "$installed" || true
 }
 
-# as_root COMMAND...: directly or with sudo; 127 where neither is possible
+# as_root COMMAND...: directly or with sudo
 as_root() {
   if ((EUID == 0)); then
     "$@"
-  elif command -v sudo >/dev/null; then
-    sudo "$@"
   else
-    return 127
+    sudo "$@"
   fi
 }
+
+may_become_root() { ((EUID == 0)) || command -v sudo >/dev/null; }
 
 # install_packages FILE...: installs what is missing; returns 0 and sets $installed_something
 installed_something=no
@@ -47,9 +47,8 @@ install_packages() {
   ((${#missing[@]})) || return 0
 
   local by_hand="apt-get install --no-install-recommends ${missing[*]}"
-  if ((EUID != 0)) && ! command -v sudo >/dev/null; then
+  may_become_root ||
     refuse "these packages are missing, and installing them needs root or sudo. As root: $by_hand"
-  fi
   say "installing ${#missing[@]} missing packages: ${missing[*]}"
   local -a apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600
     -o Dpkg::Use-Pty=0)

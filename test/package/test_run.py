@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""./run: what it asks apt for, when it builds, and that exit codes and stdout belong to the program."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("RAVEN_BUILD", ROOT / "build"))
+
+
+def bash(script, **variables):
+    """Runs `script` after the libraries of ./run, with `variables` set before."""
+    settings = {"noetic": "", "root": str(ROOT), "build": str(BUILD), **variables}
+    head = "set -euo pipefail\n" + "".join(f"{name}='{value}'\n" for name, value in settings.items())
+    for library in ("report", "packages", "build"):
+        head += f"source '{ROOT}/scripts/lib/{library}.sh'\n"
+    return subprocess.run(["bash", "-c", head + script], capture_output=True, text=True, check=False)
+
+
+class Run(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.list = self.folder / "list.apt"
+        self.list.write_text("# comment\n\ng++\nlibroscpp-dev  ros:roscpp\nlibtf2-ros-dev  ros:tf2_ros\n")
+
+    # A machine that has g++, and has had libroscpp-dev but lost it.
+    dpkg = """dpkg-query() { printf 'g++ installed\\nlibroscpp-dev config-files\\n'; return 1; }
+              apt-cache() { printf '  Candidate: 1.0\\n'; }
+              may_become_root() { true; }
+              as_root() { printf 'ROOT %s\\n' "$*" >&2; }\n"""
+
+    def missing(self, **variables):
+        return bash(self.dpkg + f"missing_packages '{self.list}'", **variables).stdout.split()
+
+    def test_missing_packages(self):
+        self.assertEqual(self.missing(), ["libroscpp-dev", "libtf2-ros-dev"])
+
+    def test_noetic_takes_the_place_of_debian(self):
+        (self.folder / "share/roscpp").mkdir(parents=True)
+        (self.folder / "share/roscpp/package.xml").touch()
+        self.assertEqual(self.missing(noetic=self.folder), ["ros-noetic-tf2-ros"])
+
+    def test_apt_is_called_once_and_only_for_what_is_missing(self):
+        result = bash(self.dpkg + f"install_packages '{self.list}'")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        calls = [line for line in result.stderr.splitlines() if line.startswith("ROOT")]
+        self.assertEqual(len(calls), 2, calls)
+        self.assertIn(" update", calls[0])
+        self.assertTrue(calls[1].endswith("--no-install-recommends libroscpp-dev libtf2-ros-dev"), calls[1])
+        self.list.write_text("g++\n")
+        result = bash(self.dpkg + f"install_packages '{self.list}'")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+    def test_refusals_name_the_packages_and_the_remedy(self):
+        result = bash(self.dpkg + f"may_become_root() {{ false; }}\ninstall_packages '{self.list}'")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("As root: apt-get install --no-install-recommends libroscpp-dev", result.stderr)
+        result = bash(self.dpkg + "apt-cache() { printf '  Candidate: (none)\\n'; }\n"
+                      f"install_packages '{self.list}'")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("apt does not know libroscpp-dev libtf2-ros-dev", result.stderr)
+        result = bash(self.dpkg + "as_root() { [[ $* == *update* ]]; }\n" f"install_packages '{self.list}'")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("apt could not install", result.stderr)
+
+    def test_every_listed_package_is_known_to_apt(self):
+        if "bookworm" not in Path("/etc/os-release").read_text():
+            self.skipTest("the lists hold names of Debian 12")
+        for name in ROOT.glob("dependencies*.apt"):
+            for line in name.read_text().splitlines():
+                if line.strip() and not line.startswith("#"):
+                    package = line.split()[0]
+                    known = subprocess.run(["apt-cache", "show", package], capture_output=True, check=False)
+                    self.assertEqual(known.returncode, 0, f"{name.name}: {package}")
+
+    def test_builds_only_when_a_source_changed(self):
+        source = self.folder / "src/geometry/a.cpp"
+        source.parent.mkdir(parents=True)
+        source.touch()
+        stamp = self.folder / "stamp"
+
+        def changed():
+            return bash(f"changed_since '{stamp}'", root=self.folder).returncode == 0
+        self.assertTrue(changed(), "never built")
+        for path in (self.folder / "src", source.parent, source):
+            os.utime(path, (1e9, 1e9))
+        stamp.touch()
+        self.assertFalse(changed(), "nothing happened since")
+        os.utime(source, (4e9, 4e9))
+        self.assertTrue(changed(), "a file was edited")
+        os.utime(source, (1e9, 1e9))
+        self.assertFalse(changed())
+        os.utime(stamp, (2e9, 2e9))
+        source.rename(source.with_name("b.cpp"))  # touches the folder, not the file
+        os.utime(source.parent, (3e9, 3e9))
+        self.assertTrue(changed(), "a file came or went")
+
+    def test_a_build_made_elsewhere_is_thrown_away(self):
+        (self.folder / "build").mkdir()
+        cache = self.folder / "build/CMakeCache.txt"
+        cache.write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={self.folder}\n")
+        here = {"root": self.folder, "build": self.folder / "build"}
+        bash("forget_foreign_build", **here)
+        self.assertTrue(cache.exists())
+        cache.write_text("CMAKE_HOME_DIRECTORY:INTERNAL=/somewhere/else\n")
+        bash("forget_foreign_build", **here)
+        self.assertFalse(cache.exists())
+
+    def run_it(self, *arguments):
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
+        return subprocess.run([str(ROOT / "run"), *arguments], capture_output=True, text=True, check=False,
+                              env=environment)
+
+    def test_usage(self):
+        self.assertEqual(self.run_it("help").returncode, 0)
+        self.assertIn("offline ARGS", self.run_it("help").stdout)
+        unknown = self.run_it("tset")
+        self.assertEqual(unknown.returncode, 2)
+        self.assertIn("unknown command 'tset'", unknown.stderr)
+        self.assertEqual(self.run_it("exec").returncode, 2)
+        self.assertIn("NAME one of", self.run_it("bench").stderr)
+
+    def test_offline_and_exec_pass_everything_through(self):
+        if BUILD != ROOT / "build" or not (BUILD / ".built-all").exists():
+            self.skipTest("this is not the build folder of ./run")
+        result = self.run_it("exec", "bash", "-c", "echo out; exit 7")
+        self.assertEqual((result.returncode, result.stdout), (7, "out\n"), result.stderr)
+        result = self.run_it("exec", "rospack", "find", "rviz")
+        self.assertIn("/rviz", result.stdout, result.stderr[-3000:])
+        offline = BUILD / "devel/lib/raven_correction/offline"
+        if not shutil.which(str(offline)):
+            self.skipTest("there is no offline program yet")
+        for arguments in (("--help",), ("no_such_command",)):
+            ours = self.run_it("offline", *arguments)
+            bare = subprocess.run([str(offline), *arguments], capture_output=True, text=True, check=False)
+            self.assertEqual((ours.returncode, ours.stdout), (bare.returncode, bare.stdout))
+
+
+if __name__ == "__main__":
+    if any(argument.startswith("--gtest_output") for argument in sys.argv):
+        import rosunit
+        rosunit.unitrun("raven_correction", "run", Run)
+    else:
+        unittest.main()
