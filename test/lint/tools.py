@@ -113,7 +113,9 @@ def tidy(project, folder, *options):
         raise Skipped("no build folder given")
     sources = compiled_sources(project)
     configuration = project.text(".clang-tidy")
-    command = ["clang-tidy", "--quiet", *options, "-p", str(project.build)]
+    # clang has no omp.h of its own without another package; the compiler that builds us has one.
+    headers = run(project, "g++", "-print-file-name=include").stdout.strip()
+    command = ["clang-tidy", "--quiet", *options, f"--extra-arg=-idirafter{headers}", "-p", str(project.build)]
 
     def look(name):
         result = run(project, *command, str(project.root / name))
