@@ -120,6 +120,7 @@ class Lint(unittest.TestCase):
         self.write("include/raven_correction/geometry/a.h", SPDX + "#pragma once\n")
         self.assert_red(texts.check_opening, "include/raven_correction/geometry/a.h:2", "comment")
         self.write("include/raven_correction/geometry/a.h", SPDX + "// What it answers.\n")
+        self.write("src/geometry/loop_body.h", SPDX + "// Body of two sources.\n")
         self.assert_red(texts.check_opening, "include/raven_correction/geometry/a.h:1", "pragma")
 
     def test_hygiene(self):
