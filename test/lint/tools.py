@@ -76,11 +76,12 @@ def check_headers_alone(project):
     """Each public header compiles alone, and twice in one file."""
     if project.build is None:
         raise Skipped("no build folder given")
-    ros = [f"-isystem{path}" for path in os.environ.get("CMAKE_PREFIX_PATH", "").split(":") if path
-           for path in [path + "/include"]]
+    # The folders in which the build finds the headers of others.
+    folders = {folder for command in compiled_sources(project).values()
+               for folder in re.findall(r"-isystem\s*(\S+)", command)}
+    others = [f"-isystem{folder}" for folder in sorted(folders)]
     command = ["g++", "-std=c++17", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow",
-               "-Werror", "-fopenmp", f"-I{project.root}/include", *ros,
-               f"-isystem{project.build}/devel/include", "-isystem/usr/include/eigen3", "-x", "c++", "-"]
+               "-Werror", "-fopenmp", f"-I{project.root}/include", *others, "-x", "c++", "-"]
 
     def compile_alone(name):
         header = name.split("/", 1)[1]
