@@ -71,7 +71,7 @@ endforeach()
 # --- launch files ---------------------------------------------------------------------------------
 file(GLOB launch_files RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS launch/*.launch)
 foreach(launch_file ${launch_files})
-  roslaunch_add_file_check(${launch_file} DEPENDENCIES ${node_targets})
+  roslaunch_add_file_check(${launch_file} IGNORE_UNSET_ARGS DEPENDENCIES ${node_targets})
 endforeach()
 
 # --- lint and package: of the source folder as a whole, so only where it is built alone -------------

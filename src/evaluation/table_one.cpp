@@ -147,7 +147,9 @@ TableOneResult crossValidate(const Dataset& dataset, const TableOneProblem& prob
   TableOneResult result;
   const double parts = static_cast<double>(problem.configurations.size()) * problem.folds;
   double done = 0.0;
-  for (const auto& [name, config] : problem.configurations) {
+  for (const auto& entry : problem.configurations) {
+    const std::string& name = entry.first;
+    const TrainingConfig& config = entry.second;
     const std::size_t first = result.rows.size();
     for (int fold = 0; fold < problem.folds; ++fold) {
       const HoldOut hold_out{fold, problem.folds};
@@ -179,7 +181,9 @@ TableOneResult evaluateOn(const Dataset& training, const Dataset& test,
                           const TableOneProblem& problem, const Progress& progress) {
   TableOneResult result;
   double done = 0.0;
-  for (const auto& [name, config] : problem.configurations) {
+  for (const auto& entry : problem.configurations) {
+    const std::string& name = entry.first;
+    const TrainingConfig& config = entry.second;
     TrainingResult last;
     const auto report = [&](double fraction) {
       if (progress)

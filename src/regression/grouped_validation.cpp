@@ -118,19 +118,20 @@ double GroupedValidation::addFold(const Fold& fold, double rho, Eigen::VectorXd*
     own.col(j).tail(a - j).array() *= G_.col(j).segment(j, a - j).array();
     own.row(j).tail(a - j) = own.col(j).tail(a - j).transpose();
   }
-  const Eigen::MatrixXd zA = scaled_.leftCols(a).transpose();
-  const Eigen::MatrixXd zB = scaled_.rightCols(b).transpose();
+  const Eigen::MatrixXd learnt = scaled_.leftCols(a).transpose();
+  const Eigen::MatrixXd predicted = scaled_.rightCols(b).transpose();
   // `own` holds each unordered pair twice with half its weight each.
-  const Eigen::MatrixXd own_zA = own * zA;
-  const Eigen::MatrixXd cross_zA = cross * zA;
+  const Eigen::MatrixXd own_learnt = own * learnt;
+  const Eigen::MatrixXd cross_learnt = cross * learnt;
   const Eigen::VectorXd own_sums = own.rowwise().sum();
   const Eigen::VectorXd row_sums = cross.rowwise().sum();
   const Eigen::VectorXd column_sums = cross.colwise().sum();
   for (Eigen::Index j = 0; j < scaled_.rows(); ++j) {
-    const double within = own_sums.dot(zA.col(j).cwiseAbs2()) - zA.col(j).dot(own_zA.col(j));
-    const double between = row_sums.dot(zB.col(j).cwiseAbs2()) +
-                           column_sums.dot(zA.col(j).cwiseAbs2()) -
-                           2.0 * zB.col(j).dot(cross_zA.col(j));
+    const double within =
+        own_sums.dot(learnt.col(j).cwiseAbs2()) - learnt.col(j).dot(own_learnt.col(j));
+    const double between = row_sums.dot(predicted.col(j).cwiseAbs2()) +
+                           column_sums.dot(learnt.col(j).cwiseAbs2()) -
+                           2.0 * predicted.col(j).dot(cross_learnt.col(j));
     (*gradient)(options_.blocks[static_cast<std::size_t>(j)]) += within + between;
   }
   return value;

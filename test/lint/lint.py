@@ -33,9 +33,8 @@ CHECKS = {
     "shell": tools.check_shell,
     "python": tools.check_python,
     "alone": tools.check_headers_alone,
-    "names": tools.check_names,
 }
-ON_REQUEST = {"tidy": tools.check_tidy}
+ON_REQUEST = {"names": tools.check_names, "tidy": tools.check_tidy}  # clang-tidy takes minutes
 
 
 def run_check(name, check, project):

@@ -103,6 +103,7 @@ class NodesTest : public ::testing::Test {
     EXPECT_EQ(commands_.size(), before + 1);
   }
 
+  Pose wanted_{{-0.02, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
   ros::NodeHandle nh_{"/arm"};
   ros::Publisher publisher_;
   ros::Subscriber command_, status_, model_, progress_, report_;
@@ -138,10 +139,9 @@ TEST_F(NodesTest, TheWholeJob) {
   const std::string package = ros::package::getPath("raven_correction");
   fs::create_directories(directory() + "/data");
   const std::string bag = directory() + "/data/session.bag";
-  writeSessionBag(
-      simulateSession(
-          loadSimulationConfig(package + "/config/simulation/raven2_left_case2014.yaml"), 25, 5),
-      bag);
+  const Dataset session =
+      simulateSession(loadSimulationConfig(package + "/config/simulation/demo.yaml"), 25, 5);
+  writeSessionBag(session, bag);
   std::ofstream(directory() + "/quick.yaml")
       << "process: {criterion: validation, length_scales: per_vector, grouping: shared,\n"
          "          max_hyper_points: 200, max_exact_points: 800, variance_points: 200,\n"
@@ -161,8 +161,9 @@ TEST_F(NodesTest, TheWholeJob) {
   for (const char* const phase : {"reading", "cleaning", "fitting", "validating", "saving"})
     EXPECT_TRUE(phases_.count(phase)) << phase;
 
-  // Now poses are corrected: after a few the limit on steps is behind us, and the command is what
-  // the model file says.
+  // Now poses are corrected where the tool was seen in training: after a few the limit on steps is
+  // behind us, and the command is what the model file says.
+  wanted_ = session.trajectories[3].observations.back().pose;
   geometry_msgs::PoseStamped sent;
   CorrectionStatus status;
   EXPECT_TRUE(until([&] {

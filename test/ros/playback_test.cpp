@@ -60,7 +60,7 @@ TEST(Playback, SaysNothingBeforeItsTimeAndNothingAfterItsEnd) {
 TEST(Playback, ALateCommandDelaysTheRestInsteadOfHurryingIt) {
   Playback playback(lineOf(50, 0.1), kStart, kPeriod);
   PoseStream sent;
-  for (int i = 0; i < 10; ++i) sent.push_back(*playback.next(kStart + i * kPeriod));
+  for (int i = 0; i < 10; ++i) sent.push_back(*playback.next(playback.due()));
   const double late = kStart + 3.0;  // the process stood still for almost three seconds
   while (const auto command = playback.next(late)) sent.push_back(*command);
   EXPECT_EQ(sent.size(), 11u) << "a burst of commands";
@@ -77,7 +77,7 @@ TEST(Playback, AStopSlowsDownEvenlyAlongThePath) {
   const double speed = 0.1;
   const double duration = 0.2;
   Playback playback(lineOf(200, speed), kStart, kPeriod);
-  for (int i = 0; i < 20; ++i) playback.next(kStart + i * kPeriod);
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(playback.next(playback.due()));
   playback.stop(duration);
   EXPECT_TRUE(playback.stopping());
   PoseStream sent{{kStart + 19 * kPeriod, lineOf(20, speed).back().pose}};
