@@ -224,7 +224,7 @@ TEST_F(Simulator, LoadsAnotherSimulationAndKeepsItsOwnWhereItCannot) {
   ASSERT_TRUE(ros::service::call(nh.resolveName("simulator/load"), load));
   EXPECT_FALSE(load.response.success);
   EXPECT_NE(load.response.message.find("no_such_file.yaml"), std::string::npos);
-  EXPECT_EQ(load.response.model, "raven2_left_case2014");
+  EXPECT_EQ(load.response.model, "demo");
 
   load.request.file = directory + "/simulation/nominal.yaml";
   ASSERT_TRUE(ros::service::call(nh.resolveName("simulator/load"), load));
