@@ -84,6 +84,13 @@ void checkLimits(const CorrectorLimits& limits) {
     if (!(limit.value > 0.0) || !std::isfinite(limit.value))
       throw InvalidInput(
           format("corrector: %s = %g must be > 0 and finite", limit.name, limit.value));
+  const bool no_box = limits.box_min.isZero(0.0) && limits.box_max.isZero(0.0);
+  if (!no_box && !(limits.box_min.array() < limits.box_max.array()).all())
+    throw InvalidInput(format(
+        "corrector: box from (%g, %g, %g) to (%g, %g, %g) m: every min must be below its max; all "
+        "six zero: no box",
+        limits.box_min.x(), limits.box_min.y(), limits.box_min.z(), limits.box_max.x(),
+        limits.box_max.y(), limits.box_max.z()));
   if (!(limits.max_age >= 0.0) || !(limits.max_ahead >= 0.0))
     throw InvalidInput(format("corrector: max_age = %g s and max_ahead = %g s must be >= 0",
                               limits.max_age, limits.max_ahead));
@@ -110,7 +117,10 @@ bool approach(Eigen::Vector3d& current, const Eigen::Vector3d& wanted, double st
 
 }  // namespace
 
-Corrector::Corrector(const CorrectorLimits& limits) : limits_(limits) { checkLimits(limits); }
+Corrector::Corrector(const CorrectorLimits& limits)
+    : limits_(limits), has_box_(!limits.box_min.isZero(0.0) || !limits.box_max.isZero(0.0)) {
+  checkLimits(limits);
+}
 
 void Corrector::setModel(const Correction& model) {
   models_.push_back(std::make_unique<Live>(model));
@@ -120,6 +130,19 @@ void Corrector::setModel(const Correction& model) {
 void Corrector::restart() noexcept {
   started_ = false;
   if (Live* const live = live_.load(std::memory_order_acquire)) live->estimator.reset();
+}
+
+/// Shortens the correction, axis by axis, where it would leave the box, or leave it further than
+/// the desired pose does: continuous, and zero stays zero.
+bool Corrector::keepInBox(const Eigen::Vector3d& desired,
+                          Eigen::Vector3d& translation) const noexcept {
+  if (!has_box_) return false;
+  const Eigen::Vector3d low = limits_.box_min.cwiseMin(desired) - desired;
+  const Eigen::Vector3d high = limits_.box_max.cwiseMax(desired) - desired;
+  const Eigen::Vector3d inside = translation.cwiseMax(low).cwiseMin(high);
+  const bool limited = inside != translation;
+  translation = inside;
+  return limited;
 }
 
 /// The pose that the mode wants, before limits, and why.
@@ -192,23 +215,18 @@ CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired
   Eigen::Vector3d rotation = logRotation(desired.q.conjugate() * wanted.q);
   bool limited = shorten(translation, limits_.max_translation);
   limited |= shorten(rotation, limits_.max_rotation);
-  // The first command of all may carry the whole correction only if there is none yet to step from.
+  // The first pose of all may be corrected by as much as one after a long silence.
   const double elapsed =
       started_ ? std::min(stamp - last_stamp_, limits_.max_step_time) : limits_.max_step_time;
   limited |= approach(translation_, translation, limits_.max_translation_rate * elapsed);
   limited |= approach(rotation_, rotation, limits_.max_rotation_rate * elapsed);
+  limited |= keepInBox(desired.p, translation_);
   started_ = true;
   last_stamp_ = stamp;
 
   output.command = desired;
   if (!translation_.isZero(0.0)) output.command.p += translation_;
   if (!rotation_.isZero(0.0)) output.command.q = (desired.q * expRotation(rotation_)).normalized();
-  if ((limits_.box_min.array() < limits_.box_max.array()).all() && !translation_.isZero(0.0)) {
-    const Eigen::Vector3d inside =
-        output.command.p.cwiseMax(limits_.box_min).cwiseMin(limits_.box_max);
-    limited |= inside != output.command.p;
-    output.command.p = inside;
-  }
   if (limited) output.code = CorrectorCode::kCorrectedLimited;
   return output;
 }

@@ -11,6 +11,21 @@
 #include "raven_correction/geometry/statistics.h"
 
 namespace raven_correction {
+
+const char* delayStatusText(DelayResult::Status status) noexcept {
+  switch (status) {
+    case DelayResult::Status::kNotRun:
+      return "fixed by the configuration";
+    case DelayResult::Status::kOk:
+      return "estimated";
+    case DelayResult::Status::kAtLimit:
+      return "is at the limit of the search: widen delay.max, and check the clocks";
+    case DelayResult::Status::kNotObservable:
+      break;
+  }
+  return "is not observable in this recording (too little motion): 0 is used";
+}
+
 namespace {
 
 struct Candidate {

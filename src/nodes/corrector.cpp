@@ -2,7 +2,6 @@
 // Rewrites desired poses into commands that bring the tool there (ros/corrector_node.h).
 #include <ros/ros.h>
 
-#include "raven_correction/error.h"
 #include "raven_correction/ros/corrector_node.h"
 
 int main(int argc, char** argv) {
@@ -10,7 +9,7 @@ int main(int argc, char** argv) {
   try {
     raven_correction::CorrectorNode node(ros::NodeHandle(), ros::NodeHandle("~"));
     ros::spin();
-  } catch (const raven_correction::InvalidInput& error) {
+  } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
     return 1;
   }

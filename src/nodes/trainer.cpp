@@ -2,7 +2,6 @@
 // Learns corrections from recorded sessions and publishes the live one (ros/trainer_node.h).
 #include <ros/ros.h>
 
-#include "raven_correction/error.h"
 #include "raven_correction/ros/trainer_node.h"
 
 int main(int argc, char** argv) {
@@ -12,7 +11,7 @@ int main(int argc, char** argv) {
     ros::AsyncSpinner spinner(3);  // one may wait for a training; the others go on answering
     spinner.start();
     ros::waitForShutdown();
-  } catch (const raven_correction::InvalidInput& error) {
+  } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
     return 1;
   }

@@ -5,24 +5,6 @@
 #include "report_json.h"
 
 namespace raven_correction {
-namespace {
-
-const char* delayStatus(DelayResult::Status status) {
-  switch (status) {
-    case DelayResult::Status::kNotRun:
-      return "fixed by the configuration";
-    case DelayResult::Status::kOk:
-      return "estimated";
-    case DelayResult::Status::kAtLimit:
-      return "estimated at the limit of the search: widen delay.max, and check the clocks";
-    case DelayResult::Status::kNotObservable:
-      break;
-  }
-  return "not observable in this recording (too little motion); 0 is used";
-}
-
-}  // namespace
-
 std::string trainingText(const TrainingResult& result) {
   std::string text;
   text += format("observations  %zu in all, %s\n", result.fates.total(),
@@ -30,8 +12,8 @@ std::string trainingText(const TrainingResult& result) {
   text += format("commands      %zu identity poses removed\n", result.identity_commands);
   text += format("learnt from   %zu pairs of %zu trajectories\n", result.model.training_pairs,
                  result.model.training_trajectories);
-  text +=
-      format("delay         %.4f s, %s\n", result.model.delay, delayStatus(result.delay.status));
+  text += format("delay         %.4f s, %s\n", result.model.delay,
+                 delayStatusText(result.delay.status));
   text += format("rigid step    leaves %.2f mm, %.2f deg (RMS on those pairs)\n",
                  kMillimetre * result.rigid_rms_position, kDegree * result.rigid_rms_angle);
   static const char* const kOutputs[] = {"dx", "dy", "dz", "rx", "ry", "rz"};

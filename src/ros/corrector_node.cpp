@@ -22,6 +22,8 @@ geometry_msgs::TransformStamped withPose(geometry_msgs::TransformStamped msg, co
   return msg;
 }
 
+constexpr double kClockTolerance = 0.01;  // [s]
+
 std::string withoutSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
@@ -49,8 +51,9 @@ CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh) {
   read.numbers("box_max", box_max, 3, -10.0, 10.0);
   limits.box_min = {box_min[0], box_min[1], box_min[2]};
   limits.box_max = {box_max[0], box_max[1], box_max[2]};
-  read.refuseUnknownKeys();
+  read.refuseUnknownKeys({"diagnostic_period"});
   read.throwIfAnyProblem();
+  params.base_frame = withoutSlash(params.base_frame);
   ROS_INFO("%s", read.summary().c_str());
   return params;
 }
@@ -119,7 +122,8 @@ void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
   const Message& msg = *event.getConstMessage();
   const Pose desired = poseOf(msg);
   const ros::Time now = ros::Time::now();
-  if (now < last_now_) {  // a bag that loops, a simulation that starts again
+  // A bag that loops, a simulation that starts again; not the small steps of a clock that is set.
+  if (now + ros::Duration(kClockTolerance) < last_now_) {
     ROS_WARN("corrector: the clock went back by %.3f s; starting over", (last_now_ - now).toSec());
     corrector_.restart();
   }
@@ -175,7 +179,7 @@ void CorrectorNode::onModel(const CorrectionModel& msg) {
   try {
     useModel(modelFromMsg(msg));
     ROS_INFO("corrector: model %s is in use", msg.id.c_str());
-  } catch (const InvalidInput& error) {
+  } catch (const std::exception& error) {
     ROS_ERROR("corrector: model refused, the one before stays in use: %s", error.what());
   }
 }
@@ -210,7 +214,7 @@ bool CorrectorNode::onEnable(std_srvs::SetBool::Request& request,
 
 void CorrectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using Level = diagnostic_msgs::DiagnosticStatus;
-  std::uint64_t all = 0, refused = 0, passed = 0, limited = 0;
+  std::uint64_t all = 0, refused = 0, passed = 0, limited = 0, fault = 0;
   const std::lock_guard<std::mutex> lock(mutex_);
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     const std::uint64_t total = counts_[i];
@@ -220,6 +224,7 @@ void CorrectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
     const auto code = static_cast<CorrectorCode>(i);
     if (isRefused(code)) refused += recent;
     if (code == CorrectorCode::kCorrectedLimited) limited += recent;
+    if (code == CorrectorCode::kPassedModelFault) fault += recent;
     if (code >= CorrectorCode::kPassedOff && code <= CorrectorCode::kPassedBetweenEndpoints)
       passed += recent;
     if (total > 0) status.add(correctorCodeName(code), std::to_string(total));
@@ -227,7 +232,10 @@ void CorrectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("model", model_id_.empty() ? "none" : model_id_);
   status.add("mode", correctorModeName(corrector_.mode()));
   status.add("longest compute time [us]", format("%.0f", 1e6 * worst_compute_time_.exchange(0.0)));
-  if (all == 0)
+  if (fault > 0)
+    status.summaryf(Level::ERROR, "the model answered %lu poses with numbers that are not finite",
+                    fault);
+  else if (all == 0)
     status.summary(Level::OK, "the planner is silent");
   else if (refused > 0)
     status.summaryf(Level::WARN, "%lu of %lu poses refused", refused, all);

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <regex>
 #include <set>
 
 #include "raven_correction/dataset/dataset_directory.h"
@@ -68,14 +69,24 @@ void take(const rosbag::MessageInstance& instance, RawStreams& raw) {
   }
 }
 
+/// The one frame of a topic, which must have a name.
+std::string frameOf(const std::string& file, const char* topic, const RawStreams& raw) {
+  const std::set<std::string>& frames = raw.frames.at(topic);
+  if (frames.size() != 1)
+    throw InvalidInput(format("%s: %s comes in %zu different frames; record one frame per topic",
+                              file.c_str(), topic, frames.size()));
+  if (frames.begin()->empty())
+    throw InvalidInput(
+        format("%s: the poses of %s name no frame (empty frame_id); let the source "
+               "name it, or set the recorder's mocap_frame",
+               file.c_str(), topic));
+  return *frames.begin();
+}
+
 /// Puts observations of another frame into the base frame.
 void registerObservations(const std::string& file, const std::string& base, RawStreams& raw) {
-  const std::set<std::string>& frames = raw.frames[topics::kMocap];
-  if (frames.size() != 1)
-    throw InvalidInput(format("%s: %s comes in %zu different frames; record one tracker frame",
-                              file.c_str(), topics::kMocap, frames.size()));
-  const std::string& mocap = *frames.begin();
-  if (mocap == base || mocap.empty()) return;
+  const std::string mocap = frameOf(file, topics::kMocap, raw);
+  if (mocap == base) return;
   Pose X_base_mocap;
   try {
     X_base_mocap =
@@ -109,6 +120,8 @@ std::vector<TrajectoryGoal> goalsFromEvents(std::vector<TrajectoryEvent> events)
       goals.push_back(goal);
     } else if (open && goals.back().trajectory == event.trajectory) {
       goals.back().end = stamp;
+      // An END whose target is not a pose says that the target of the START was not reached.
+      if (!hasUnitQuaternion(poseFromMsg(event.target))) goals.back().has_target = false;
     }
   }
   return goals;
@@ -169,15 +182,21 @@ void readMessages(const std::string& file, RawStreams& raw) {
 
 }  // namespace
 
-Session readSessionBag(const std::string& file) {
+namespace {
+
+/// One session, in the parts into which the recorder split it.
+Session readParts(const std::vector<std::string>& parts) {
+  const std::string& file = parts.front();  // for messages
   RawStreams raw;
-  readMessages(file, raw);
+  for (const std::string& part : parts) readMessages(part, raw);
   for (auto& entry : raw.poses) sortByStamp(entry.second);
   for (const char* const topic : {topics::kCommand, topics::kMocap})
     if (raw.poses[topic].empty())
       throw InvalidInput(format("%s: no message on %s; `rosbag info` lists what was recorded",
                                 file.c_str(), topic));
-  const std::string base = *raw.frames[topics::kCommand].begin();
+  const std::string base = frameOf(file, topics::kCommand, raw);
+  if (!raw.poses[topics::kEncoder].empty() && frameOf(file, topics::kEncoder, raw) != base)
+    raw.poses[topics::kEncoder].clear();  // of no use here: another frame, and no registration
   registerObservations(file, base, raw);
 
   Session session;
@@ -195,7 +214,45 @@ Session readSessionBag(const std::string& file) {
     session.dataset.trajectories.push_back(std::move(trajectory));
     session.goals.push_back(goals[i]);
   }
+  if (session.dataset.trajectories.empty())
+    throw InvalidInput(
+        format("%s: %zu commands, but none within the %zu trajectories that "
+               "trajectory_event names; compare the stamps of both",
+               file.c_str(), raw.poses[topics::kCommand].size(), goals.size()));
   return session;
+}
+
+/// Parts NAME_0.bag, NAME_1.bag, ... of one recording together, everything else alone; in the order
+/// in which the first of each was given.
+std::vector<std::vector<std::string>> groupParts(const std::vector<std::string>& paths) {
+  static const std::regex kPart("(.*)_([0-9]+)\\.bag");
+  std::vector<std::vector<std::string>> groups;
+  std::map<std::string, std::size_t> group_of;
+  for (const std::string& path : paths) {
+    std::smatch match;
+    if (!std::regex_match(path, match, kPart)) {
+      groups.push_back({path});
+      continue;
+    }
+    const auto [place, is_new] = group_of.emplace(match[1].str(), groups.size());
+    if (is_new) groups.emplace_back();
+    groups[place->second].push_back(path);
+  }
+  return groups;
+}
+
+}  // namespace
+
+Session readSessionBag(const std::string& file) { return readParts({file}); }
+
+bool holdsSession(const std::string& file) {
+  try {
+    rosbag::Bag bag(file, rosbag::bagmode::Read);
+    for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections())
+      if (withoutSlash(connection->topic) == topics::kMocap) return true;
+  } catch (const rosbag::BagException&) {
+  }
+  return false;
 }
 
 Dataset readInput(const std::string& path) {
@@ -208,12 +265,16 @@ Dataset readInput(const std::string& path) {
 
 Dataset readInputs(const std::vector<std::string>& paths) {
   if (paths.empty()) throw InvalidInput("no input; give bags or data set directories");
-  Dataset all = readInput(paths.front());
-  for (std::size_t i = 1; i < paths.size(); ++i) {
-    Dataset more = readInput(paths[i]);
+  const std::vector<std::vector<std::string>> groups = groupParts(paths);
+  const auto read = [](const std::vector<std::string>& group) {
+    return group.size() == 1 ? readInput(group.front()) : readParts(group).dataset;
+  };
+  Dataset all = read(groups.front());
+  for (std::size_t i = 1; i < groups.size(); ++i) {
+    Dataset more = read(groups[i]);
     if (more.frame != all.frame)
       throw InvalidInput(format("%s: poses are in frame \"%s\", those of %s in \"%s\"",
-                                paths[i].c_str(), more.frame.c_str(), paths.front().c_str(),
+                                more.source.c_str(), more.frame.c_str(), all.source.c_str(),
                                 all.frame.c_str()));
     all.source += ", " + more.source;
     std::set<std::string> known;
@@ -276,6 +337,14 @@ void writeSessionBag(const Dataset& dataset, const std::string& file) {
   if (fs::exists(file))
     throw InvalidInput(
         format("%s: exists; nothing was written, choose another name", file.c_str()));
+  for (const Trajectory& trajectory : dataset.trajectories)
+    if (!trajectory.joint_commands.samples.empty() || trajectory.commands.empty())
+      throw InvalidInput(
+          format("%s: trajectory %s has %s; a session's bag holds commanded poses (doc/bags.md), "
+                 "so nothing "
+                 "was written: use the directory as it is",
+                 dataset.source.c_str(), trajectory.id.c_str(),
+                 trajectory.commands.empty() ? "no stream of commanded poses" : "joint commands"));
   const std::string part = file + ".part";
   try {
     rosbag::Bag bag(part, rosbag::bagmode::Write);

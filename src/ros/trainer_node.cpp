@@ -104,7 +104,8 @@ std::vector<std::string> TrainerNode::inputsOf(const Retrain::Request& request) 
   if (!inputs.empty()) return inputs;
   if (fs::is_directory(params_.data_directory))
     for (const auto& entry : fs::directory_iterator(params_.data_directory))
-      if (entry.path().extension() == ".bag") inputs.push_back(entry.path().string());
+      if (entry.path().extension() == ".bag" && holdsSession(entry.path().string()))
+        inputs.push_back(entry.path().string());
   if (inputs.empty())
     throw InvalidInput(format("no bag in %s; record a session first, or name the bags in the call",
                               params_.data_directory.c_str()));
@@ -148,6 +149,8 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
   publishProgress(TrainerProgress::RUNNING, "reading", 0.0, "");
   const TrainingConfig config = loadTrainingConfig(
       request.configuration.empty() ? params_.configuration : expandHome(request.configuration));
+  if (!request.dry_run && !request.output.empty())
+    checkOutputFile(expandHome(request.output), false);  // now, not after the training
   const Dataset dataset = readInputs(inputsOf(request));
   Correction before;
   bool has_before = false;
@@ -172,6 +175,10 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
   response.angle_before_deg = kDegree * result.none.angle_norm;
   response.angle_after_deg = kDegree * result.full.angle_norm;
   response.message = result.verdict;
+  if (result.training.delay.status == DelayResult::Status::kNotObservable ||
+      result.training.delay.status == DelayResult::Status::kAtLimit)
+    response.message +=
+        format("; delay %.3f s %s", model.delay, delayStatusText(result.training.delay.status));
   if (request.dry_run) {
     response.success = true;
     response.message += "; dry run: nothing written, nothing live";

@@ -211,7 +211,28 @@ TEST_F(CorrectorTest, TheCommandStaysInTheBox) {
   corrector.setMode(CorrectorMode::kFull);
   const CorrectorOutput output = send(corrector, 0);
   EXPECT_EQ(output.code, CorrectorCode::kCorrectedLimited);
-  EXPECT_LE(output.command.p.x(), 0.005);
+  EXPECT_LE(output.command.p.x(), 0.005 + 1e-12);
+}
+
+TEST_F(CorrectorTest, TheBoxDoesNotMakeTheCommandJumpWhereThePlannerItselfLeavesIt) {
+  CorrectorLimits limits;
+  limits.box_min = {-0.05, -0.05, -0.05};
+  limits.box_max = {0.002, 0.05, 0.05};
+  Corrector corrector(limits);
+  corrector.setModel(model_);
+  Pose last = inside(0);
+  for (int i = 0; i < 300; ++i) {  // x runs from 0 to 30 mm, through the side of the box at 2 mm
+    if (i == 10) corrector.setMode(CorrectorMode::kFull);
+    if (i == 200) corrector.setMode(CorrectorMode::kOff);
+    const CorrectorOutput output = send(corrector, i);
+    if (i > 0) {
+      EXPECT_LE((output.command.p - last.p).norm(), 1e-4 + 0.15 * 0.02 + 1e-9) << i;
+    }
+    EXPECT_LE(output.command.p.x(), std::max(0.002, inside(i).p.x()) + 1e-12) << i;
+    last = output.command;
+  }
+  limits.box_max.x() = -0.06;
+  EXPECT_THROW(Corrector{limits}, InvalidInput);
 }
 
 TEST_F(CorrectorTest, TheLivePathDoesNotAllocate) {

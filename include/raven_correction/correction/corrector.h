@@ -52,7 +52,8 @@ struct CorrectorLimits {
   double max_step_time = 0.1;  ///< a longer silence allows no larger step than this one, > 0 [s]
   double max_age = 0.5;        ///< of a desired pose when it arrives; 0 is not checked [s]
   double max_ahead = 0.5;      ///< of its stamp before the clock; 0 is not checked [s]
-  /// The command stays in this box; min >= max in any axis: no box. [m]
+  /// A correction does not take the command out of this box, nor further out than the desired pose
+  /// is; all zero: no box. [m]
   Eigen::Vector3d box_min = Eigen::Vector3d::Zero();
   Eigen::Vector3d box_max = Eigen::Vector3d::Zero();
 };
@@ -86,7 +87,7 @@ class Corrector {
   ///   2. T from the mode: 0 (off), G, or F with its fades
   ///   3. shorten T to max_translation and max_rotation
   ///   4. move the T in force towards it by at most rate * time since the last pose
-  ///   5. clip the position to the box
+  ///   5. shorten the translation in force so that it stays in the box
   /// A refused pose changes no state. Unless the code is kCorrected*, kRigidOnly or kPassedOutside,
   /// and once a former correction has been taken back in steps, the command equals the desired pose
   /// bit for bit.
@@ -111,7 +112,10 @@ class Corrector {
 
   CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
 
+  bool keepInBox(const Eigen::Vector3d& desired, Eigen::Vector3d& translation) const noexcept;
+
   CorrectorLimits limits_;
+  bool has_box_ = false;
   std::atomic<CorrectorMode> mode_{CorrectorMode::kOff};
   std::vector<std::unique_ptr<Live>> models_;  // of the thread that sets models
   std::atomic<Live*> live_{nullptr};

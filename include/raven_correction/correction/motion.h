@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the correction knows of a motion at one instant: the pose and, from the past, how it got
 // there. One piece of code computes it in training, offline and live. How it becomes the features
-// of the Gaussian process is features.h.
+// of the Gaussian process is model.h.
 #pragma once
 
 #include <array>

@@ -31,6 +31,9 @@ struct DelayResult {
   std::size_t pairs = 0;         ///< observations used
 };
 
+/// "estimated", or what is wrong and what to do about it.
+const char* delayStatusText(DelayResult::Status status) noexcept;
+
 /// For each delay: the rigid transform (positions only) fitted to the half of the pairs that it
 /// explains best (concentration steps, so that outliers do not pull it), scored by the median of
 /// all residuals. The same observations are used for every delay.

@@ -49,7 +49,7 @@ struct TableOneProblem {
 struct TableOneResult {
   std::vector<TableOneRow> rows;  ///< per configuration: per fold, then the mean
   /// Of the last configuration (the package's own), from all data.
-  double delay = 0.0;  ///< [s]; of the folds: their mean
+  double delay = 0.0;  ///< [s]
   FateCounts fates;    ///< cleaning of all observations
   std::size_t identity_commands = 0;
 

@@ -15,7 +15,7 @@ struct TrajectoryGoal {
   std::string trajectory;
   double start = 0.0;  ///< [s]
   double end = 0.0;    ///< [s]
-  Pose target;         ///< in base; identity where not known
+  Pose target;         ///< in base; valid where has_target
   bool has_target = false;
 };
 
@@ -31,9 +31,13 @@ struct Session {
 ///         observation in it, or the registration is missing (the text names the frames)
 Session readSessionBag(const std::string& file);
 
+/// Whether the file is a complete bag with motion capture in it.
+bool holdsSession(const std::string& file);
+
 /// A bag, or a data set directory, whichever the path is.
 /// @throws InvalidInput  neither, or see readSessionBag() and readDatasetDirectory()
 Dataset readInput(const std::string& path);
+/// Parts NAME_0.bag, NAME_1.bag, ... of a recording that was split are read as one session.
 /// All inputs as one data set, sorted by start. Trajectory names that occur twice get the name of
 /// their input in front.
 /// @throws InvalidInput  no input, or different base frames
@@ -41,7 +45,8 @@ Dataset readInputs(const std::vector<std::string>& paths);
 
 /// Writes pose streams and trajectory events; `frame` of the data set is the frame of all poses.
 /// Joint streams go to measured_js.
-/// @throws InvalidInput  the file exists or cannot be written
+/// @throws InvalidInput  the file exists or cannot be written, or the data set has streams that a
+///         session's bag cannot hold (commanded joints)
 void writeSessionBag(const Dataset& dataset, const std::string& file);
 
 }  // namespace raven_correction

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bags that a real stack leaves behind: split, without a frame, with mixed frames, with events of
+// another clock. What is good comes in; what is not is refused with its place.
+#include "raven_correction/ros/session_bag.h"
+
+#include <gtest/gtest.h>
+#include <raven_correction/TrajectoryEvent.h>
+#include <rosbag/bag.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "raven_correction/error.h"
+#include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/topics.h"
+#include "support/temporary_directory.h"
+
+namespace raven_correction {
+namespace {
+
+const Pose X_base_mocap{{0.1, 1.7, -0.7}, expRotation({0.1, -0.4, 1.2})};
+
+Pose poseAtTime(double t) { return {{0.01 * t, 0.05, -0.1}, expRotation({0.0, 0.1 * t, 0.0})}; }
+
+class SessionBag : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return folder_.path() + "/" + name; }
+
+  void event(rosbag::Bag& bag, double stamp, const std::string& name, std::uint8_t kind,
+             const Pose* target = nullptr) const {
+    TrajectoryEvent msg;
+    msg.header.stamp.fromSec(stamp);
+    msg.trajectory = name;
+    msg.event = kind;
+    if (target != nullptr) msg.target = poseToMsg(*target);
+    bag.write(topics::kTrajectoryEvent, msg.header.stamp, msg);
+  }
+
+  /// Commands and observations from `from` to `to`, every 0.1 s.
+  void streams(rosbag::Bag& bag, double from, double to, const std::string& base,
+               const std::string& mocap) const {
+    for (int i = 0; from + 0.1 * i <= to; ++i) {
+      const double t = from + 0.1 * i;
+      const ros::Time stamp(t);
+      bag.write(topics::kCommand, stamp, stampedPoseToMsg(t, poseAtTime(t), base));
+      bag.write(topics::kMocap, stamp,
+                stampedPoseToMsg(t, X_base_mocap.inverse() * poseAtTime(t), mocap));
+    }
+  }
+
+  void registration(rosbag::Bag& bag) const {
+    tf2_msgs::TFMessage tf;
+    tf.transforms.resize(1);
+    tf.transforms[0].header.frame_id = "0_link";
+    tf.transforms[0].child_frame_id = "mocap";
+    tf.transforms[0].transform = transformToMsg(X_base_mocap);
+    bag.write(topics::kTfStatic, ros::Time(1.0), tf);
+  }
+
+  static std::string complaint(const std::vector<std::string>& files) {
+    try {
+      readInputs(files);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_F(SessionBag, ObservationsAreRegisteredIntoTheBaseFrame) {
+  const std::string file = path("s.bag");
+  rosbag::Bag bag(file, rosbag::bagmode::Write);
+  const Pose target = poseAtTime(12.0);
+  event(bag, 10.0, "a", TrajectoryEvent::START, &target);
+  streams(bag, 10.0, 12.0, "0_link", "mocap");
+  registration(bag);
+  event(bag, 12.0, "a", TrajectoryEvent::END, &target);
+  event(bag, 13.0, "b", TrajectoryEvent::START, &target);
+  streams(bag, 13.0, 14.0, "0_link", "mocap");
+  event(bag, 14.0, "b", TrajectoryEvent::END);  // not reached
+  bag.close();
+  const Session session = readSessionBag(file);
+  ASSERT_EQ(session.dataset.trajectories.size(), 2u);
+  for (const StampedPose& seen : session.dataset.trajectories[0].observations)
+    EXPECT_LT((seen.pose.p - poseAtTime(seen.stamp).p).norm(), 1e-12);
+  EXPECT_TRUE(session.goals[0].has_target);
+  EXPECT_FALSE(session.goals[1].has_target);
+  EXPECT_TRUE(holdsSession(file));
+}
+
+TEST_F(SessionBag, PartsOfOneRecordingAreReadAsOne) {
+  rosbag::Bag first(path("s_0.bag"), rosbag::bagmode::Write);
+  registration(first);
+  event(first, 10.0, "a", TrajectoryEvent::START);
+  streams(first, 10.0, 11.0, "0_link", "mocap");
+  first.close();
+  rosbag::Bag second(path("s_1.bag"), rosbag::bagmode::Write);
+  streams(second, 11.1, 12.0, "0_link", "mocap");
+  event(second, 12.0, "a", TrajectoryEvent::END);
+  second.close();
+  const Dataset dataset = readInputs({path("s_0.bag"), path("s_1.bag")});
+  ASSERT_EQ(dataset.trajectories.size(), 1u);
+  EXPECT_EQ(dataset.trajectories[0].commands.size(), 21u);
+}
+
+TEST_F(SessionBag, FramesThatCannotBeTrustedAreRefused) {
+  rosbag::Bag nameless(path("nameless.bag"), rosbag::bagmode::Write);
+  streams(nameless, 10.0, 12.0, "0_link", "");
+  nameless.close();
+  EXPECT_NE(complaint({path("nameless.bag")}).find("name no frame"), std::string::npos)
+      << complaint({path("nameless.bag")});
+  rosbag::Bag mixed(path("mixed.bag"), rosbag::bagmode::Write);
+  streams(mixed, 10.0, 11.0, "0_link", "0_link");
+  streams(mixed, 11.0, 12.0, "1_link", "0_link");
+  mixed.close();
+  EXPECT_NE(complaint({path("mixed.bag")}).find("2 different frames"), std::string::npos);
+  rosbag::Bag lost(path("lost.bag"), rosbag::bagmode::Write);
+  streams(lost, 10.0, 12.0, "0_link", "mocap");
+  lost.close();
+  EXPECT_NE(complaint({path("lost.bag")}).find("no registration of \"mocap\""), std::string::npos);
+}
+
+TEST_F(SessionBag, EventsOfAnotherClockAreNamed) {
+  rosbag::Bag bag(path("s.bag"), rosbag::bagmode::Write);
+  event(bag, 1e5, "a", TrajectoryEvent::START);
+  streams(bag, 10.0, 12.0, "0_link", "0_link");
+  event(bag, 1e5 + 2.0, "a", TrajectoryEvent::END);
+  bag.close();
+  EXPECT_NE(complaint({path("s.bag")}).find("compare the stamps"), std::string::npos)
+      << complaint({path("s.bag")});
+}
+
+TEST_F(SessionBag, WhatABagCannotHoldIsNotWritten) {
+  Dataset dataset;
+  dataset.source = "joints";
+  dataset.trajectories.resize(1);
+  dataset.trajectories[0].joint_commands.names = {"q1"};
+  dataset.trajectories[0].joint_commands.samples.push_back({1.0, Eigen::VectorXd::Zero(1)});
+  EXPECT_THROW(writeSessionBag(dataset, path("j.bag")), InvalidInput);
+  EXPECT_THROW(readSessionBag(path("j.bag")), InvalidInput);  // there is no such file
+}
+
+}  // namespace
+}  // namespace raven_correction
