@@ -15,6 +15,7 @@
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/session_bag.h"
 #include "support/temporary_directory.h"
+#include "support/test_data.h"
 
 namespace raven_correction {
 namespace {
@@ -55,6 +56,8 @@ class OfflineTest : public ::testing::Test {
               0);
     std::ofstream(config_) << kQuickConfig;
   }
+  void expectAgreement(const std::string& session, const std::string& config, int fold);
+
   const TemporaryDirectory folder_;
   const std::string session_ = folder_.path() + "/session";
   const std::string config_ = folder_.path() + "/quick.yaml";
@@ -81,11 +84,14 @@ TEST_F(OfflineTest, ImportAndExportKeepEverySample) {
   expectRefused(offline({"export", bag, "-o", back}), "not empty");
 }
 
-TEST_F(OfflineTest, TrainAndPredictMeetInTheModelFileAndAgreeWithEvaluate) {
-  const int fold = 2;
-  ASSERT_EQ(
-      offline({"train", session_, "-o", model_, "--config", config_, "--hold-out", "2/5"}).code, 0);
-  const Dataset dataset = readDatasetDirectory(session_);
+/// Trains without a fold, predicts its trajectories in a second run of the program, and compares
+/// the errors of what that wrote with evaluate's row of the fold.
+void OfflineTest::expectAgreement(const std::string& session, const std::string& config, int fold) {
+  ASSERT_EQ(offline({"train", session, "-o", model_, "--config", config, "--hold-out",
+                     std::to_string(fold) + "/5"})
+                .code,
+            0);
+  const Dataset dataset = readDatasetDirectory(session);
   const Dataset left_out = selectFold(dataset, HoldOut{fold, 5}, true);
   const std::string test_set = folder_.path() + "/left_out";
   writeDatasetDirectory(left_out, test_set);
@@ -101,7 +107,7 @@ TEST_F(OfflineTest, TrainAndPredictMeetInTheModelFileAndAgreeWithEvaluate) {
   std::getline(file, header);
   EXPECT_EQ(header, "trajectory,stamp,x,y,z,qx,qy,qz,qw,sx,sy,sz,srx,sry,srz,status");
   TableOneProblem problem;
-  problem.configurations = {{"best", loadTrainingConfig(config_)}};
+  problem.configurations = {{"best", loadTrainingConfig(config)}};
   const TableOneResult table = crossValidate(dataset, problem);
   const Correction model = readModelFile(model_);
   const std::vector<TestState> states =
@@ -131,7 +137,7 @@ TEST_F(OfflineTest, TrainAndPredictMeetInTheModelFileAndAgreeWithEvaluate) {
   const std::vector<bool> clean =
       cleanStates(states,
                   train(selectFold(dataset, HoldOut{fold, 5}, false),
-                        configOf(Method::kRigidClean, loadTrainingConfig(config_)), 0.0)
+                        configOf(Method::kRigidClean, loadTrainingConfig(config)), 0.0)
                       .model.rigid,
                   {});
   std::vector<PoseError> errors;
@@ -144,6 +150,16 @@ TEST_F(OfflineTest, TrainAndPredictMeetInTheModelFileAndAgreeWithEvaluate) {
   EXPECT_EQ(measured.n, expected.n);
   EXPECT_NEAR(1e3 * measured.position_norm, 1e3 * expected.position_norm, 1e-6);
   EXPECT_NEAR(measured.angle_norm, expected.angle_norm, 1e-8);
+}
+
+TEST_F(OfflineTest, TrainAndPredictMeetInTheModelFileAndAgreeWithEvaluate) {
+  expectAgreement(session_, config_, 2);
+}
+
+TEST_F(OfflineTest, TheyAgreeOnTheMeasuredSessionWithTheShippedConfiguration) {
+  const std::string path = testData("case2014_left/dataset.yaml");
+  RAVEN_SKIP_WITHOUT_DATA(path, "case2014_left");
+  expectAgreement(path.substr(0, path.rfind('/')), "config/trainer.yaml", 1);
 }
 
 TEST_F(OfflineTest, PredictAnswersEveryRowAndRefusesWhatIsNoPose) {
