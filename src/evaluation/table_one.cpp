@@ -158,7 +158,7 @@ TableOneResult crossValidate(const Dataset& dataset, const TableOneProblem& prob
       TrainingResult last;
       const auto report = [&](double fraction) {
         if (progress)
-          progress(format("%s, fold %d of %d", name.c_str(), fold + 1, problem.folds),
+          progress(format("%s, fold %d/%d", name.c_str(), fold, problem.folds),
                    (done + fraction) / parts);
       };
       append(rowsOf({training, test, name, config, problem.gates, fold}, report, last),
