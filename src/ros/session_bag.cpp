@@ -338,13 +338,11 @@ void writeSessionBag(const Dataset& dataset, const std::string& file) {
     throw InvalidInput(
         format("%s: exists; nothing was written, choose another name", file.c_str()));
   for (const Trajectory& trajectory : dataset.trajectories)
-    if (!trajectory.joint_commands.samples.empty() || trajectory.commands.empty())
+    if (trajectory.commands.empty())
       throw InvalidInput(
-          format("%s: trajectory %s has %s; a session's bag holds commanded poses (doc/bags.md), "
-                 "so nothing "
-                 "was written: use the directory as it is",
-                 dataset.source.c_str(), trajectory.id.c_str(),
-                 trajectory.commands.empty() ? "no stream of commanded poses" : "joint commands"));
+          format("%s: trajectory %s has no stream of commanded poses, which a session's bag holds "
+                 "(doc/bags.md); nothing was written: use the directory as it is",
+                 dataset.source.c_str(), trajectory.id.c_str()));
   const std::string part = file + ".part";
   try {
     rosbag::Bag bag(part, rosbag::bagmode::Write);

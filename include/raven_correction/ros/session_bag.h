@@ -44,9 +44,9 @@ Dataset readInput(const std::string& path);
 Dataset readInputs(const std::vector<std::string>& paths);
 
 /// Writes pose streams and trajectory events; `frame` of the data set is the frame of all poses.
-/// Joint streams go to measured_js.
-/// @throws InvalidInput  the file exists or cannot be written, or the data set has streams that a
-///         session's bag cannot hold (commanded joints)
+/// Measured joints go to measured_js; commanded joints beside commanded poses are left out.
+/// @throws InvalidInput  the file exists or cannot be written, or a trajectory has no commanded
+/// poses
 void writeSessionBag(const Dataset& dataset, const std::string& file);
 
 }  // namespace raven_correction
