@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <mutex>
 
 #include "raven_correction/CorrectionModel.h"
 #include "raven_correction/CorrectionStatus.h"
@@ -32,12 +33,19 @@ class Demo : public ::testing::Test {
  protected:
   Demo() : nh("raven/left"), spinner(2) {
     EXPECT_TRUE(ros::param::get("/directory", directory));
-    status_ = nh.subscribe<CorrectionStatus>("correction/status", 1000,
-                                             [this](const auto& msg) { ++codes[msg->code]; });
-    model_ = nh.subscribe<CorrectionModel>("correction/model", 1,
-                                           [this](const auto& msg) { model = msg->id; });
-    overlay_ = nh.subscribe<visualization_msgs::MarkerArray>(
-        "overlay", 10, [this](const auto& msg) { markers += msg->markers.size(); });
+    status_ = nh.subscribe<CorrectionStatus>("correction/status", 1000, [this](const auto& msg) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      ++codes[msg->code];
+    });
+    model_ = nh.subscribe<CorrectionModel>("correction/model", 1, [this](const auto& msg) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      model = msg->id;
+    });
+    overlay_ =
+        nh.subscribe<visualization_msgs::MarkerArray>("overlay", 10, [this](const auto& msg) {
+          const std::lock_guard<std::mutex> lock(mutex);
+          markers += msg->markers.size();
+        });
     spinner.start();
     for (const char* service : {"recorder/start", "planner/run", "trainer/retrain",
                                 "corrector/enable", "simulator/reset"})
@@ -54,19 +62,28 @@ class Demo : public ::testing::Test {
     return response;
   }
   /// @return the bag
-  std::string record(const std::string& name, unsigned motions, unsigned seed) {
+  std::string record(const std::string& name, unsigned motions, unsigned seed, double turn = 0.0,
+                     double margin = 0.0) {
     StartRecording::Request start;
     start.bag = name;
     call<StartRecording>("recorder/start", start);
     RunPlanner::Request run;
     run.trajectories = motions;
     run.seed = seed;
+    run.turn = turn;
+    run.margin = margin;
     EXPECT_EQ(call<RunPlanner>("planner/run", run).trajectories, motions);
     const StopRecording::Response stop = call<StopRecording>("recorder/stop", {});
     EXPECT_EQ(stop.trajectories, motions);
     EXPECT_GT(stop.pairs, 0u);
     EXPECT_EQ(stop.bags.size(), 1u);
     return stop.bags.empty() ? "" : stop.bags.front();
+  }
+  /// What callbacks have written, at this moment.
+  template <typename T>
+  T seen(const T& value) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return value;
   }
   static std::vector<Visit> visits(const std::string& bag) {
     const Session session = readSessionBag(bag);
@@ -81,6 +98,8 @@ class Demo : public ::testing::Test {
   ros::NodeHandle nh;
   ros::AsyncSpinner spinner;
   std::string directory;
+
+  std::mutex mutex;               // guards what follows
   std::map<int, unsigned> codes;  // of the corrector's status
   std::string model;
   std::size_t markers = 0;
@@ -91,16 +110,20 @@ class Demo : public ::testing::Test {
 
 TEST_F(Demo, RecordsLearnsCorrectsAndComesCloser) {
   const std::string before = record("before.bag", kTargets, 11);
-  const std::string training = record("training.bag", kTrainingMotions, 12);
-  EXPECT_EQ(codes.size(), 1u) << "switched off, it only passes poses on";
-  EXPECT_GT(codes[CorrectionStatus::PASSED_OFF], 0u);
+  const std::string training = record("training.bag", kTrainingMotions, 12, 0.35, 0.025);
+  const auto uncorrected = seen(codes);
+  EXPECT_EQ(uncorrected.count(CorrectionStatus::PASSED_OFF), 1u);
+  for (const auto& [code, count] : uncorrected)  // a stale pose now and then on a busy machine
+    EXPECT_TRUE(code == CorrectionStatus::PASSED_OFF ||
+                code >= CorrectionStatus::REFUSED_NOT_FINITE)
+        << "switched off, it has corrected " << count << " poses with code " << code;
 
   Retrain::Request retrain;
   retrain.bags = {training};
   const Retrain::Response learnt = call<Retrain>("trainer/retrain", retrain);
   EXPECT_TRUE(learnt.live) << learnt.message;
   EXPECT_LT(learnt.position_after_mm, learnt.position_before_mm);
-  EXPECT_TRUE(waitFor([&] { return model == learnt.model; }, kLimit));
+  EXPECT_TRUE(waitFor([&] { return seen(model) == learnt.model; }, kLimit));
   for (const std::string& file : learnt.files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
 
   SetMode::Request mode;
@@ -110,14 +133,14 @@ TEST_F(Demo, RecordsLearnsCorrectsAndComesCloser) {
   enable.data = true;
   call<std_srvs::SetBool>("corrector/enable", enable);
   const std::string after = record("after.bag", kTargets, 11);
-  EXPECT_GT(codes[CorrectionStatus::CORRECTED], 0u);
+  EXPECT_EQ(seen(codes).count(CorrectionStatus::CORRECTED), 1u);
 
   const VisitComparison comparison = compareVisits(visits(before), visits(after));
   EXPECT_EQ(comparison.before.size(), kTargets);
   EXPECT_GT(comparison.summary_before.position_norm, 0.005);
   EXPECT_LT(comparison.summary_after.position_norm, 0.5 * comparison.summary_before.position_norm);
   EXPECT_LT(comparison.summary_after.angle_norm, 0.5 * comparison.summary_before.angle_norm);
-  EXPECT_GT(markers, 0u);
+  EXPECT_GT(seen(markers), 0u);
 }
 
 }  // namespace
@@ -127,5 +150,9 @@ int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "test_demo");
   ros::NodeHandle nh;
-  return RUN_ALL_TESTS();
+  const int result = RUN_ALL_TESTS();
+  std::string directory;
+  if (result == 0 && ros::param::get("/directory", directory))
+    std::filesystem::remove_all(directory);
+  return result;
 }
