@@ -124,10 +124,10 @@ class Lint(unittest.TestCase):
         self.assert_red(texts.check_opening, "include/raven_correction/geometry/a.h:1", "pragma")
 
     def test_hygiene(self):
-        self.write("doc/a.md", "a path: ../data and /usr/share, {root}/work/x, http://x.org/home/y\n")
+        self.write("doc/a.md", "a path: ../data and /usr/share, {root}/home/x, http://x.org/home/y\n")
         self.assert_green(texts.check_hygiene)
         for content, text in (("a", "line feed"), ("a \n", "trailing"), ("a\tb\n", "tab"), ("a\r\n", "CR LF"),
-                              ("see /home/me\n", "one machine"), ("cd /work/x\n", "one machine"),
+                              ("see /home/me\n", "one machine"), ("cd /root/x\n", "one machine"),
                               ("// TODO later\n", "issue")):
             self.write("doc/a.txt", content)
             self.assert_red(texts.check_hygiene, "doc/a.txt:1", text)

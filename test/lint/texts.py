@@ -37,7 +37,7 @@ def check_opening(project):
 
 def check_hygiene(project):
     """No tabs, trailing blanks, foreign line ends, or paths of one person's machine; TODOs have issues."""
-    private = re.compile(r"(?<![\w.}])/(home|work|root|Users)/\w")
+    private = re.compile(r"(?<![\w.}])/(home|root|Users)/\w")
     todo = re.compile(r"\b(TODO|FIXME|XXX)\b(?!\(#\d+)")
     for name in project.files:
         if not project.is_text(name) or name.startswith(("LICENSE", "test/lint/")):
