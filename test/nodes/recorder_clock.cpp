@@ -15,9 +15,13 @@ namespace {
 TEST(RecorderClock, ForgetsWhatWaitedWhenTheClockJumpsBackAndSaysSo) {
   ros::NodeHandle nh("/arm");
   std::string message;
+  bool said_so = false;
   std::vector<double> pairs;
-  const auto status = nh.subscribe<RecorderStatus>(
-      "recorder/status", 10, [&](const RecorderStatusConstPtr& s) { message = s->message; });
+  const auto status =
+      nh.subscribe<RecorderStatus>("recorder/status", 10, [&](const RecorderStatusConstPtr& s) {
+        message = s->message;
+        said_so = said_so || message.find("jumped back by 10.000 s") != std::string::npos;
+      });
   const auto pair_subscriber = nh.subscribe<Pair>(
       "pairs", 100, [&](const PairConstPtr& pair) { pairs.push_back(pair->header.stamp.toSec()); });
   auto clock = nh.advertise<rosgraph_msgs::Clock>("/clock", 100);
@@ -46,8 +50,8 @@ TEST(RecorderClock, ForgetsWhatWaitedWhenTheClockJumpsBackAndSaysSo) {
   command.publish(pose(50.2));
   seen.publish(pose(50.1));
   ASSERT_TRUE(until(50.0, [&] { return pairs.size() == 1; }));
-  ASSERT_TRUE(until(40.0, [&] { return message.find("jumped back by 10.000 s") < 100; }))
-      << message;
+  // The next status, which may arrive in the same moment, speaks of something else again.
+  ASSERT_TRUE(until(40.0, [&] { return said_so; })) << message;
 
   // Within the horizon of 60 s: without the jump of the clock these would be late and repeated.
   seen.publish(pose(40.1));
