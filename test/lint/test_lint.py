@@ -196,14 +196,19 @@ class Lint(unittest.TestCase):
                    "struct CamelCase {\n  double public_field = 0.0;\n\n private:\n  int hidden_ = 0;\n};\n")
         good = (SPDX + '#include "raven_correction/regression/a.h"\n'
                 "constexpr double kLimit = 1.0;\nenum class Status { kOk, kBad };\n"
-                "double lengthOf(double X_base_tool, double K) { return X_base_tool * K; }\n")
+                "double lengthOf(double X_base_tool, double K) { return X_base_tool * K; }\n"
+                "const double X_base_mocap = 1.0;\n"
+                "template <int kSize, int N, typename Type> Type f() { return kSize * N; }\n"
+                "extern \"C\" void* __libc_malloc(unsigned long size);\n"
+                "struct Fixture { protected: int bare = 0; };\n"
+                "void g() { const auto twiceOf = [](int i) { return 2 * i; }; twiceOf(kLimit); }\n")
         self.write("src/regression/a.cpp", good)
         self.assert_green(tools.check_names, build)
         for bad in ("double length_of() { return 1.0; }", "struct snake_case {};",
                     "constexpr double limit = 2.0;", "enum class Colour { RED };",
                     "double f(double camelCase) { return camelCase; }"):
             self.write("src/regression/a.cpp", good + bad + "\n")
-            self.assert_red(tools.check_names, "src/regression/a.cpp:6", "invalid case style", build)
+            self.assert_red(tools.check_names, "src/regression/a.cpp:11", "invalid case style", build)
         self.write("src/regression/a.cpp", good)
         self.write("include/raven_correction/regression/a.h", HEADER +
                    "class CamelCase {\n  int hidden = 0;\n};\n")
