@@ -172,8 +172,7 @@ class Lint(unittest.TestCase):
         self.assert_red(tools.check_format, "src/geometry/a.cpp:1", "clang-format -i")
 
     def test_headers_alone(self):
-        build = self.root / "build"
-        build.mkdir()
+        build = self.compile_database("-isystem /usr/include/eigen3")
         name = "include/raven_correction/geometry/a.h"
         self.write(name, HEADER + "#include <string>\ninline std::string f() { return {}; }\n")
         self.assert_green(tools.check_headers_alone, build)
@@ -200,7 +199,7 @@ class Lint(unittest.TestCase):
                 "const double X_base_mocap = 1.0;\n"
                 "template <int kSize, int N, typename Type> Type f() { return kSize * N; }\n"
                 "extern \"C\" void* __libc_malloc(unsigned long size);\n"
-                "struct Fixture { protected: int bare = 0; };\n"
+                "struct Fixture { protected: int bare = 0; int own_ = 0; };\n"
                 "void g() { const auto twiceOf = [](int i) { return 2 * i; }; twiceOf(kLimit); }\n")
         self.write("src/regression/a.cpp", good)
         self.assert_green(tools.check_names, build)
