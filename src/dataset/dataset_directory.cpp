@@ -118,6 +118,25 @@ std::string text(const YAML::Node& node, const char* key, const std::string& oth
   return node[key] && node[key].IsScalar() ? node[key].as<std::string>() : otherwise;
 }
 
+/// joints: [{name: X, unit: rad|m}], which joint streams need to be understood without a robot.
+std::map<std::string, std::string> readJointUnits(const YAML::Node& yaml, const std::string& file) {
+  std::map<std::string, std::string> units;
+  if (!yaml["joints"]) return units;
+  if (!yaml["joints"].IsSequence())
+    throw InvalidInput(
+        format("%s: joints must be a list of {name: ..., unit: rad or m}", file.c_str()));
+  for (const YAML::Node& joint : yaml["joints"]) {
+    const std::string name = joint.IsMap() ? text(joint, "name", "") : "";
+    const std::string unit = joint.IsMap() ? text(joint, "unit", "") : "";
+    if (name.empty() || (unit != "rad" && unit != "m"))
+      throw InvalidInput(
+          format("%s: joint \"%s\" has the unit \"%s\", must have a name and rad or m",
+                 file.c_str(), name.c_str(), unit.c_str()));
+    units[name] = unit;
+  }
+  return units;
+}
+
 }  // namespace
 
 std::vector<NamedPoseStream> readPoseCsv(const std::string& file, PoseChecks checks) {
@@ -152,6 +171,7 @@ Dataset readDatasetDirectory(const std::string& directory) {
   dataset.description = text(yaml, "description", "");
   dataset.frame = text(yaml, "frame", "base");
   dataset.arm = text(yaml, "arm", "");
+  dataset.joint_units = readJointUnits(yaml, yaml_file);
   std::map<std::string, std::size_t> index;
   for (const auto& entry : yaml["streams"]) {
     const std::string name = entry.first.as<std::string>();
@@ -240,6 +260,12 @@ void writeDatasetDirectory(const Dataset& dataset, const std::string& directory)
   yaml["description"] = dataset.description;
   yaml["frame"] = dataset.frame;
   yaml["arm"] = dataset.arm;
+  for (const auto& [joint, unit] : dataset.joint_units) {
+    YAML::Node entry;
+    entry["name"] = joint;
+    entry["unit"] = unit;
+    yaml["joints"].push_back(entry);
+  }
   const std::pair<const char*, PoseStream Trajectory::*> pose_streams[] = {
       {"commands", &Trajectory::commands},
       {"observations", &Trajectory::observations},

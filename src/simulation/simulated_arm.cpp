@@ -57,20 +57,31 @@ IkStatus SimulatedArm::reset(double start, const Pose& X_base_tool) {
   return result.status;
 }
 
+bool SimulatedArm::accepts(double stamp) const noexcept {
+  return std::isfinite(stamp) && stamp >= state_.last_stamp && state_.pending.size() < kMaxPending;
+}
+
+void SimulatedArm::enqueue(double stamp, const JointVector& joints) noexcept {
+  state_.command_joints = joints;
+  state_.last_stamp = stamp;
+  state_.pending.push_back({stamp, joints});
+}
+
 IkStatus SimulatedArm::command(const StampedPose& X_base_tool) noexcept {
   IkStatus status = IkStatus::kInvalidInput;
-  if (std::isfinite(X_base_tool.stamp) && X_base_tool.stamp >= state_.last_stamp &&
-      state_.pending.size() < kMaxPending) {
+  if (accepts(X_base_tool.stamp)) {
     const IkResult result = ik_.solve(X_base_tool.pose, state_.command_joints);
     status = result.status;
-    if (reproducesPose(status)) {
-      state_.command_joints = config_.robot.clamp(result.joints);
-      state_.last_stamp = X_base_tool.stamp;
-      state_.pending.push_back({X_base_tool.stamp, state_.command_joints});
-    }
+    if (reproducesPose(status)) enqueue(X_base_tool.stamp, config_.robot.clamp(result.joints));
   }
   ++counts_[static_cast<std::size_t>(status)];
   return status;
+}
+
+bool SimulatedArm::command(double stamp, const JointVector& joints) noexcept {
+  if (!accepts(stamp) || joints.size() != config_.robot.size() || !joints.allFinite()) return false;
+  enqueue(stamp, joints);
+  return true;
 }
 
 void SimulatedArm::advanceTo(double time) noexcept {

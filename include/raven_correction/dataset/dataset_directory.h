@@ -14,6 +14,7 @@ namespace raven_correction {
 ///
 ///   name, description, frame, arm: text
 ///   streams: {commands|observations|encoders: {file: X.csv, kind: pose|joint}}
+///   joints: [{name: X, unit: rad|m}]   (optional; for joint streams)
 ///
 /// Pose streams have the columns trajectory,stamp,x,y,z,qx,qy,qz,qw (s, m, unit quaternion), joint
 /// streams trajectory,stamp,<joints...> (s, rad or m). Quaternions are normalised.

@@ -3,6 +3,7 @@
 // writing directories is dataset_directory.h, pairing the streams is synchronisation.h.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct Dataset {
   std::string description;
   std::string frame = "base";  ///< frame of the pose streams
   std::string arm;
+  /// "rad" or "m" of the joints that say so, by name; joint streams of robots without a chain.
+  std::map<std::string, std::string> joint_units;
   std::string source;                    ///< path or bag it was read from, for messages
   std::vector<Trajectory> trajectories;  ///< in order of start time
 };

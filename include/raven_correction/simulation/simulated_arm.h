@@ -58,6 +58,10 @@ class SimulatedArm {
   /// A pose that cannot be reached, a stamp that runs backwards or is not finite: nothing changes.
   /// @return kOk, kOutsideLimits or kSingular when taken
   IkStatus command(const StampedPose& X_base_tool) noexcept;
+  /// Takes a command that is in joints already, as it is: no inverse kinematics, no limits.
+  /// @return false, and nothing changes: a stamp that runs backwards or is not finite, joints that
+  ///         are not finite or of another number
+  bool command(double stamp, const JointVector& joints) noexcept;
   /// Moves on to `time`; an earlier one than time() changes nothing. About 1 us per ms simulated.
   void advanceTo(double time) noexcept;
 
@@ -85,6 +89,8 @@ class SimulatedArm {
   const std::array<std::uint64_t, 5>& commandCounts() const noexcept { return counts_; }
 
  private:
+  bool accepts(double stamp) const noexcept;
+  void enqueue(double stamp, const JointVector& joints) noexcept;
   void step(double end) noexcept;
   void runStages(const StepContext& context, bool at_reset, JointVector& q) noexcept;
   JointVector setpointAt(double time) const noexcept;

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a residual depends on, whatever the cause: the share of it that position, direction of
+// motion, speed, load or time predict on motions not learnt from. Naming a physical cause is
+// selection.h.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raven_correction/diagnosis/residual.h"
+
+namespace raven_correction {
+
+/// What one group of features predicts.
+struct Dependence {
+  std::string on;      ///< "position", "direction", "speed", "load", "time", or "anything"
+  double share = 0.0;  ///< of the squared residual about its mean, channels equal [-]
+  double lower = 0.0;  ///< 95 % interval over motions
+  double upper = 0.0;
+};
+
+struct DependenceResult {
+  std::vector<Dependence> groups;
+  Dependence anything;            ///< all groups together
+  double position_rms = 0.0;      ///< of what they predict of the position [m]; 0 for joint data
+  double orientation_rms = 0.0;   ///< of what they predict of the orientation [rad]
+  std::vector<double> joint_rms;  ///< joint data: of what they predict of each joint [rad or m]
+};
+
+/// Ridge regression of the residual on functions of the simulated joints, group by group, each
+/// motion predicted from the motions of the other folds:
+///
+///   position   polynomials of second order and waves of two lengths of every joint
+///   direction  smoothed signs of the joint speeds, and the state of plays of two widths (history)
+///   speed      joint speeds, their size and square
+///   load       gravity on every joint and its squares (recordings with kinematics and masses)
+///   time       polynomials and waves over the session
+///
+/// Components are clipped at three robust deviations, so that single wrong samples do not rule.
+/// Encoder channels are left out.
+DependenceResult residualDependence(const Recording& recording, const ResidualLayout& layout,
+                                    const Eigen::VectorXd& residual, const Eigen::MatrixXd& joints,
+                                    int folds, std::uint64_t seed);
+
+/// Standard deviation of a channel's components from one sample to the next: what no model can
+/// explain. Second differences of neighbouring samples, so that slow errors do not count.
+/// @return one per channel [m or rad]; 0 where no motion has three samples
+Eigen::VectorXd noiseFloor(const Recording& recording, const ResidualLayout& layout,
+                           const Eigen::VectorXd& residual);
+
+}  // namespace raven_correction

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The whole diagnosis: what the simulation gets wrong about a recording, which physical causes the
+// recording supports, what they gain on motions not fitted to, and what is left. Its parts are
+// recording.h, residual.h, selection.h and dependence.h.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raven_correction/diagnosis/dependence.h"
+#include "raven_correction/diagnosis/selection.h"
+
+namespace raven_correction {
+
+struct DiagnosisOptions {
+  RecordingOptions recording;
+  SelectionOptions selection;
+  /// A recording of fewer motions is cut into about this many blocks of time.
+  int least_motions = 10;
+};
+
+/// Errors of one simulation of the recording.
+struct DiagnosisErrors {
+  ErrorSizes sizes;
+  std::vector<double> fold_position_median;     ///< [m]; empty for joint data
+  std::vector<double> fold_orientation_median;  ///< [rad]
+};
+
+struct Verdict {
+  std::string recording;  ///< its name
+  bool has_kinematics = true;
+  bool has_encoders = false;
+  DriveSource source = DriveSource::kCommands;
+  std::vector<std::string> joints;  ///< names, in order
+  std::vector<bool> prismatic;      ///< one per joint
+  Recording::Left left_out;
+  int motions = 0, folds = 0;
+  std::size_t samples = 0, hypotheses = 0, starts = 0;
+  std::uint64_t seed = 0;
+  double seconds = 0.0;
+
+  std::vector<Cause> causes;
+  std::vector<std::string> labels;  ///< of the causes, for people
+  SimulationConfig simulation;      ///< extended with the causes
+  DiagnosisErrors before;           ///< of the simulation that was given
+  DiagnosisErrors after;            ///< of the extended one; every motion by parameters fitted
+                                    ///< without its fold
+  /// 1 - RMS after / RMS before, of position (joint data: mean over joints), with its 95 % interval
+  /// by bootstrap over motions [-].
+  double gain = 0.0, gain_lower = 0.0, gain_upper = 0.0;
+  /// Where base registration or tool offset are among the causes: the errors with these alone,
+  /// which say where things are rather than how the robot errs, and the gain from there.
+  bool aligned = false;
+  DiagnosisErrors after_alignment;
+  double gain_from_alignment = 0.0, alignment_lower = 0.0, alignment_upper = 0.0;
+
+  DependenceResult shown;               ///< what the residual before depends on
+  DependenceResult left;                ///< what the residual after depends on
+  bool unexplained = false;             ///< structure is left that the catalogue does not explain
+  std::vector<std::string> depends_on;  ///< of `left`, those beyond doubt
+  double noise_floor = 0.0;             ///< RMS length of position noise [m]; joint data: 0
+  double angle_floor = 0.0;             ///< RMS angle of orientation noise [rad]
+  std::vector<double> joint_floor;      ///< joint data: standard deviation of each joint [rad or m]
+};
+
+/// @param simulation  what is believed of the robot; for joint data only its name is used
+/// @param prismatic   joint data: which joints are in metres
+/// @throws InvalidInput  see makeRecording(), makeJointRecording(), selectCauses()
+Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
+                 const std::vector<bool>& prismatic, const DiagnosisOptions& options,
+                 const DiagnosisProgress& progress = {});
+
+/// What would separate two causes that this recording cannot tell apart; general advice where no
+/// better is known.
+std::string separatingRecording(const std::string& effect, const std::string& other);
+
+}  // namespace raven_correction

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a simulation gets wrong about a recording: measured minus simulated, sample by sample, and
+// how large that is. Which parameters make it smaller is effect_fit.h.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "raven_correction/diagnosis/recording.h"
+#include "raven_correction/simulation/simulation_config.h"
+
+namespace raven_correction {
+
+/// One kind of residual, with a scale of its own.
+struct Channel {
+  std::string name;  ///< "position", "orientation", "elbow", "encoder elbow"
+  std::string unit;  ///< "m" or "rad"
+  int size = 1;      ///< components: 3 or 1
+  bool encoder = false;
+};
+
+/// A piece of the residual vector that counts as one observation: robust losses look at its length.
+struct ResidualBlock {
+  int channel = 0;
+  int motion = 0;
+  int sample = 0;           ///< index into the motion's observations
+  Eigen::Index offset = 0;  ///< of its first component
+};
+
+/// How the residual vector of a recording is laid out; the same for every simulation.
+struct ResidualLayout {
+  std::vector<Channel> channels;
+  std::vector<ResidualBlock> blocks;  ///< motion by motion, by stamp
+  Eigen::Index size = 0;
+  int motions = 0;
+};
+ResidualLayout residualLayout(const Recording& recording);
+
+/// Runs the simulation on the whole recording, from rest at its first set-point. Between two
+/// motions the arm goes to where the next one starts, so plays keep their history. Thread-safe.
+///
+///   position     p_measured - p_simulated, in base [m]
+///   orientation  log(R_simulated' R_measured), in the simulated tool's frame [rad]
+///   joints       q_measured - q_simulated [rad or m]
+///
+/// @param simulation  of the recording's robot; its internal step is set to the longest one, which
+///        changes results by less than a micrometre (doc/simulation.md, exactness)
+/// @param joints      if not null: simulated joint side at every sample, one column per block (of
+/// all
+///        channels of a sample the same)
+/// @return layout.size numbers
+Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layout,
+                          const SimulationConfig& simulation, Eigen::MatrixXd* joints = nullptr);
+
+/// Robust standard deviation of the components of every channel: 1.4826 times the median of their
+/// absolute values, and not below what can be measured at all (1 um, 0.01 mrad).
+/// @param use  one per motion: which to look at; empty: all
+Eigen::VectorXd channelScales(const ResidualLayout& layout, const Eigen::VectorXd& residual,
+                              const std::vector<bool>& use = {});
+
+/// Huber's loss: s^2 / 2 up to `threshold`, linear beyond. Source: Huber 1964,
+/// doi:10.1214/aoms/1177703732
+double huber(double s, double threshold) noexcept;
+/// Where the loss of a block of `size` whitened components turns linear: 3 sqrt(size), as the
+/// length of a vector of unit components grows with sqrt(size) [-].
+double blockThreshold(int size) noexcept;
+
+/// Mean Huber loss of the blocks of each motion, with every component divided by its channel's
+/// scale. Channels count equally, however many blocks they have.
+/// @return one number per motion; nan for a motion without blocks
+Eigen::VectorXd motionLosses(const ResidualLayout& layout, const Eigen::VectorXd& residual,
+                             const Eigen::VectorXd& scales);
+
+/// Weight of every row of the residual vector in whitened robust least squares: Huber's weight of
+/// its block over the squared scale of its channel, channels counting equally.
+Eigen::VectorXd rowWeights(const ResidualLayout& layout, const Eigen::VectorXd& residual,
+                           const Eigen::VectorXd& scales);
+
+/// Sizes of errors for people [m and rad]. Encoder channels do not count.
+struct ErrorSizes {
+  double position_rms = 0.0, position_median = 0.0, position_p95 = 0.0;
+  double orientation_median = 0.0, orientation_rms = 0.0;
+  std::vector<double> joint_rms, joint_median, joint_p95;  ///< joint data: per joint
+  std::size_t samples = 0;
+};
+/// @param use  one per motion; empty: all
+ErrorSizes errorSizes(const ResidualLayout& layout, const Eigen::VectorXd& residual,
+                      const std::vector<bool>& use = {});
+
+}  // namespace raven_correction

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which causes the recording supports: hypotheses are added one by one, the best on motions that it
+// was not fitted to, as long as they earn their place; then those that no longer do are removed.
+// What a hypothesis is, is hypothesis.h; the whole diagnosis is diagnosis.h.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "raven_correction/diagnosis/held_out.h"
+#include "raven_correction/diagnosis/hypothesis.h"
+
+namespace raven_correction {
+
+struct SelectionOptions {
+  int folds = 5;  ///< motion i is held out in fold i % folds
+  int max_causes = 24;
+  int finalists = 8;  ///< hypotheses of a round that are fitted; the others were screened
+  /// Chance of a false claim on data without any effect, over all hypotheses and starts [-].
+  double significance = 0.01;
+  double least_share = 0.004;  ///< of the held-out loss that a cause must explain [-]
+  std::uint64_t seed = 1;
+};
+
+/// A hypothesis that earned its place.
+struct Cause {
+  Hypothesis hypothesis;
+  Eigen::VectorXd values;      ///< of its parameters
+  Eigen::VectorXd deviations;  ///< one standard deviation each; 0 for a fixed shape
+  /// Share of the held-out loss before any cause that comes back when this one is dropped and all
+  /// others are refitted, and its 95 % interval over motions [-].
+  double share = 0.0, lower = 0.0, upper = 0.0;
+  std::vector<Hypothesis> equals;  ///< explain the held-out motions as well; at most three
+  bool has_runner_up = false;
+  Hypothesis runner_up;          ///< the best of the others when this one was chosen
+  double runner_up_share = 0.0;  ///< of the loss at that moment, of this cause's own [-]
+};
+
+struct SelectionResult {
+  std::vector<Cause> causes;          ///< largest share first
+  SimulationConfig simulation;        ///< with the causes, values and deviations
+  Eigen::VectorXd nominal_residual;   ///< before any cause
+  Eigen::VectorXd fitted_residual;    ///< of the fit to all motions
+  Eigen::VectorXd held_out_residual;  ///< every motion predicted from the other folds
+  std::size_t hypotheses = 0;         ///< tried in the first round
+  std::size_t starts = 0;             ///< of their fits, periods and instants included
+};
+
+/// Called with what is going on and how far it is, in [0, 1].
+using DiagnosisProgress = std::function<void(const std::string& phase, double fraction)>;
+
+/// @param simulation  what is believed so far; its effects stay as they are
+/// @throws InvalidInput  fewer motions than folds
+SelectionResult selectCauses(const Recording& recording, const ResidualLayout& layout,
+                             const SimulationConfig& simulation, const SelectionOptions& options,
+                             const DiagnosisProgress& progress = {});
+
+}  // namespace raven_correction

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A verdict as text for a terminal and as JSON. The diagnosis is diagnosis/diagnose.h.
+#pragma once
+
+#include <string>
+
+#include "raven_correction/diagnosis/diagnose.h"
+
+namespace raven_correction {
+
+/// One sentence per cause: "backlash of elbow: w = 0.031 +- 0.001 rad, explains 83 % (79..86 %)".
+std::string causeText(const Verdict& verdict, std::size_t cause);
+
+/// The verdict in words first, then the numbers. mm and deg; joint data in rad and m.
+std::string diagnosisText(const Verdict& verdict);
+
+/// {"causes": [{"effect", "joints", "label", "parameters": {name: {"value", "std", "unit"}},
+///   "explained_percent", "interval_percent": [lo, hi], "indistinguishable_from": [label],
+///   "separated_by", "runner_up": {"label", "relative_share"}}],
+///  "unexplained": {"present", "depends_on", "rms_mm", "rms_deg", "share_percent"},
+///  "before", "after", "after_alignment": {"position_rms_mm", "position_median_mm",
+///   "position_p95_mm", "orientation_median_deg", "fold_position_median_mm",
+///   "fold_orientation_median_deg"},
+///  "gain_percent", "gain_interval_percent", "gain_from_alignment_percent",
+///  "gain_from_alignment_interval_percent", "noise_floor_mm", "noise_floor_deg",
+///  "depends_on_before", "depends_on_after": {group: {"share_percent", "interval_percent"}},
+///  "data": {...}, "seconds", "seed"}
+/// Joint data: errors are objects by joint with keys rms_rad or rms_m, median_..., p95_...
+std::string diagnosisJson(const Verdict& verdict);
+
+}  // namespace raven_correction

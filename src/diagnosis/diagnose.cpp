@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/diagnosis/diagnose.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include "raven_correction/error.h"
+#include "raven_correction/geometry/statistics.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr double kLeastStructure = 0.05;  // of the squares of what is left: below it, noise [-]
+constexpr double kLeastGroup = 0.03;      // and of one group of features [-]
+constexpr int kResamples = 1000;
+
+std::vector<bool> motionsOfFold(int motions, int folds, int fold) {
+  std::vector<bool> use(static_cast<std::size_t>(motions), false);
+  for (int m = fold; m < motions; m += folds) use[static_cast<std::size_t>(m)] = true;
+  return use;
+}
+
+DiagnosisErrors errorsOf(const ResidualLayout& layout, const Eigen::VectorXd& residual, int folds,
+                         bool has_kinematics) {
+  DiagnosisErrors errors;
+  errors.sizes = errorSizes(layout, residual);
+  for (int fold = 0; has_kinematics && fold < folds; ++fold) {
+    const ErrorSizes sizes =
+        errorSizes(layout, residual, motionsOfFold(layout.motions, folds, fold));
+    errors.fold_position_median.push_back(sizes.position_median);
+    errors.fold_orientation_median.push_back(sizes.orientation_median);
+  }
+  return errors;
+}
+
+/// Sum of squares and number of samples of every motion and channel that counts.
+struct Squares {
+  Eigen::MatrixXd sum, count;  // channels x motions
+};
+Squares squaresOf(const ResidualLayout& layout, const Eigen::VectorXd& residual) {
+  const auto channels = static_cast<Eigen::Index>(layout.channels.size());
+  Squares squares{Eigen::MatrixXd::Zero(channels, layout.motions),
+                  Eigen::MatrixXd::Zero(channels, layout.motions)};
+  for (const ResidualBlock& block : layout.blocks) {
+    const Channel& channel = layout.channels[static_cast<std::size_t>(block.channel)];
+    squares.sum(block.channel, block.motion) +=
+        residual.segment(block.offset, channel.size).squaredNorm();
+    squares.count(block.channel, block.motion) += 1.0;
+  }
+  return squares;
+}
+
+struct Gain {
+  double value = 0.0, lower = 0.0, upper = 0.0;
+};
+
+/// 1 - RMS ratio of position, or the mean of it over joints, with a bootstrap over motions.
+Gain gainOf(const ResidualLayout& layout, const Eigen::VectorXd& before,
+            const Eigen::VectorXd& after, std::uint64_t seed) {
+  const Squares a = squaresOf(layout, before), b = squaresOf(layout, after);
+  const auto gain = [&](const Eigen::VectorXd& weight) {
+    double sum = 0.0;
+    int channels = 0;
+    for (std::size_t c = 0; c < layout.channels.size(); ++c) {
+      const Channel& channel = layout.channels[c];
+      if (channel.encoder || channel.name == "orientation") continue;
+      const auto row = static_cast<Eigen::Index>(c);
+      const double from = a.sum.row(row).dot(weight), to = b.sum.row(row).dot(weight);
+      if (!(from > 0.0)) continue;
+      sum += 1.0 - std::sqrt(to / from);
+      ++channels;
+    }
+    return channels ? sum / channels : 0.0;
+  };
+  Gain result;
+  result.value = gain(Eigen::VectorXd::Ones(layout.motions));
+  std::mt19937_64 engine(seed);
+  std::uniform_int_distribution<int> draw(0, layout.motions - 1);
+  std::vector<double> gains;
+  for (int i = 0; i < kResamples; ++i) {
+    Eigen::VectorXd weight = Eigen::VectorXd::Zero(layout.motions);
+    for (int m = 0; m < layout.motions; ++m) weight(draw(engine)) += 1.0;
+    gains.push_back(gain(weight));
+  }
+  result.lower = quantile(gains, 0.025);
+  result.upper = quantile(std::move(gains), 0.975);
+  return result;
+}
+
+bool isAlignment(const Cause& cause) {
+  return cause.hypothesis.effect == "base_registration" || cause.hypothesis.effect == "tool_offset";
+}
+
+/// Registration and tool frame alone, fitted anew, on motions held out.
+Eigen::VectorXd alignedResidual(const Recording& recording, const ResidualLayout& layout,
+                                const SimulationConfig& simulation, const Verdict& verdict) {
+  EffectFitProblem problem;
+  problem.recording = &recording;
+  problem.layout = &layout;
+  problem.simulation = simulation;
+  std::vector<double> start;
+  for (const Cause& cause : verdict.causes) {
+    if (!isAlignment(cause)) continue;
+    const auto& parameters = cause.hypothesis.parameters;
+    problem.parameters.insert(problem.parameters.end(), parameters.begin(), parameters.end());
+    start.insert(start.end(), cause.values.data(), cause.values.data() + cause.values.size());
+  }
+  problem.start =
+      Eigen::Map<Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size()));
+  problem.scales = channelScales(
+      layout,
+      residuals(recording, layout, withValues(simulation, problem.parameters, problem.start)));
+  const EffectFit fit = fitEffects(problem);
+  return heldOutResiduals(problem, fit, verdict.folds);
+}
+
+/// Cuts motions into blocks of time where there are too few of them to hold any out.
+void cutIntoBlocks(int least, Recording& recording) {
+  if (static_cast<int>(recording.motions.size()) >= least) return;
+  const int blocks = (least + static_cast<int>(recording.motions.size()) - 1) /
+                     static_cast<int>(recording.motions.size());
+  std::vector<Recording::Motion> cut;
+  for (const Recording::Motion& motion : recording.motions) {
+    const double start = motion.setpoints.front().stamp;
+    const double length =
+        (std::max(motion.setpoints.back().stamp, motion.observations.back().stamp) - start) /
+        blocks;
+    std::vector<Recording::Motion> parts(static_cast<std::size_t>(blocks));
+    const auto part = [&](double stamp) -> Recording::Motion& {
+      const int i = length > 0.0 ? static_cast<int>((stamp - start) / length) : 0;
+      return parts[static_cast<std::size_t>(std::clamp(i, 0, blocks - 1))];
+    };
+    for (const auto& setpoint : motion.setpoints)
+      part(setpoint.stamp).setpoints.push_back(setpoint);
+    for (const auto& observation : motion.observations)
+      part(observation.stamp).observations.push_back(observation);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      parts[i].id = format("%s block %zu", motion.id.c_str(), i);
+      if (!parts[i].setpoints.empty() && !parts[i].observations.empty())
+        cut.push_back(std::move(parts[i]));
+    }
+  }
+  recording.motions = std::move(cut);
+}
+
+void judgeWhatIsLeft(Verdict& verdict) {
+  const Dependence& anything = verdict.left.anything;
+  verdict.unexplained = anything.lower > 0.0 && anything.share > kLeastStructure;
+  if (!verdict.unexplained) return;
+  std::vector<Dependence> groups = verdict.left.groups;
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Dependence& a, const Dependence& b) { return a.share > b.share; });
+  for (const Dependence& group : groups)
+    if (group.lower > 0.0 && group.share > kLeastGroup) verdict.depends_on.push_back(group.on);
+}
+
+}  // namespace
+
+Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
+                 const std::vector<bool>& prismatic, const DiagnosisOptions& options,
+                 const DiagnosisProgress& progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  const bool joint_data = isJointData(dataset);
+  Recording recording = joint_data ? makeJointRecording(dataset, prismatic, options.recording)
+                                   : makeRecording(dataset, simulation.robot, options.recording);
+  cutIntoBlocks(options.least_motions, recording);
+  SimulationConfig base = simulation;
+  if (joint_data) {
+    base = SimulationConfig();
+    base.name = dataset.name;
+    base.robot = recording.robot;
+    base.setpoints = simulation.setpoints;
+  }
+  // Encoders are sampled from a smooth motion: between two samples the motor did not stand still.
+  if (recording.source == DriveSource::kEncoders) base.setpoints = SetpointMode::kLinear;
+
+  const ResidualLayout layout = residualLayout(recording);
+  SelectionResult selection = selectCauses(recording, layout, base, options.selection, progress);
+
+  Verdict verdict;
+  verdict.recording = dataset.name;
+  verdict.has_kinematics = recording.has_kinematics;
+  verdict.has_encoders = recording.has_encoders;
+  verdict.source = recording.source;
+  verdict.joints = recording.robot.jointNames();
+  for (const Joint& joint : recording.robot.joints())
+    verdict.prismatic.push_back(joint.type == JointType::kPrismatic);
+  verdict.left_out = recording.left_out;
+  verdict.motions = layout.motions;
+  verdict.folds = options.selection.folds;
+  verdict.hypotheses = selection.hypotheses;
+  verdict.starts = selection.starts;
+  verdict.seed = options.selection.seed;
+  verdict.causes = std::move(selection.causes);
+  for (const Cause& cause : verdict.causes)
+    verdict.labels.push_back(hypothesisLabel(cause.hypothesis, recording.robot));
+  verdict.simulation = std::move(selection.simulation);
+
+  const Eigen::VectorXd& before = selection.nominal_residual;
+  const Eigen::VectorXd& after = selection.held_out_residual;
+  verdict.before = errorsOf(layout, before, verdict.folds, recording.has_kinematics);
+  verdict.after = errorsOf(layout, after, verdict.folds, recording.has_kinematics);
+  verdict.samples = verdict.before.sizes.samples;
+  const Gain gain = gainOf(layout, before, after, verdict.seed);
+  verdict.gain = gain.value;
+  verdict.gain_lower = gain.lower;
+  verdict.gain_upper = gain.upper;
+  verdict.aligned = std::any_of(verdict.causes.begin(), verdict.causes.end(), isAlignment);
+  if (verdict.aligned) {
+    const Eigen::VectorXd aligned = alignedResidual(recording, layout, base, verdict);
+    verdict.after_alignment = errorsOf(layout, aligned, verdict.folds, true);
+    const Gain from = gainOf(layout, aligned, after, verdict.seed);
+    verdict.gain_from_alignment = from.value;
+    verdict.alignment_lower = from.lower;
+    verdict.alignment_upper = from.upper;
+  }
+
+  Eigen::MatrixXd joints;
+  residuals(recording, layout, base, &joints);
+  verdict.shown =
+      residualDependence(recording, layout, before, joints, verdict.folds, verdict.seed);
+  verdict.left = residualDependence(recording, layout, after, joints, verdict.folds, verdict.seed);
+  judgeWhatIsLeft(verdict);
+  const Eigen::VectorXd floor = noiseFloor(recording, layout, after);
+  for (std::size_t c = 0; c < layout.channels.size(); ++c) {
+    const double value = floor(static_cast<Eigen::Index>(c));
+    if (layout.channels[c].encoder) continue;
+    if (!recording.has_kinematics)
+      verdict.joint_floor.push_back(value);
+    else
+      (layout.channels[c].unit == "m" ? verdict.noise_floor : verdict.angle_floor) =
+          std::sqrt(3.0) * value;
+  }
+  verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return verdict;
+}
+
+std::string separatingRecording(const std::string& effect, const std::string& other) {
+  const auto is = [&](const char* a, const char* b) {
+    return (effect == a && other == b) || (effect == b && other == a);
+  };
+  if (is("drive_friction", "backlash"))
+    return "record the encoders, too (measured_js): they see friction, and not backlash";
+  if (is("command_delay", "tracking_lag"))
+    return "record fast motions with sudden starts and reversals: a delay moves them unchanged, a "
+           "lag rounds them off";
+  if (is("joint_offset", "base_registration") || is("joint_offset", "tool_offset"))
+    return "touch known points of the robot's base and of the tool with a tracked pointer: an "
+           "offset "
+           "of the first joint is a turn of the base, one of the last a turn of the tool, in every "
+           "recording";
+  if (is("base_registration", "registration_shift") || is("joint_offset", "creep"))
+    return "record for longer, from before the change";
+  if (is("cable_stretch", "joint_gain") || is("cable_stretch", "joint_coupling") ||
+      is("cable_stretch", "joint_offset"))
+    return "repeat the same motions with a known mass in the gripper: only the stretch changes";
+  if (is("link_geometry", "joint_offset") || is("link_geometry", "base_registration") ||
+      is("link_geometry", "tool_offset"))
+    return "record over the whole workspace of all joints: what a wrong link does changes with the "
+           "joints before it, an offset's does not";
+  return "move each joint alone over its whole range, in both directions, at several speeds";
+}
+
+}  // namespace raven_correction

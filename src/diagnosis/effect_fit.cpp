@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/diagnosis/effect_fit.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "raven_correction/error.h"
+#include "raven_correction/simulation/effect_registry.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr double kStepShare = 1e-3;     // of a parameter's range: width of a difference [-]
+constexpr double kStepOfValue = 0.05;   // a difference is no wider than this share of the value [-]
+constexpr double kSmallestStep = 0.05;  // and no narrower than this share of the first width [-]
+constexpr double kDelayStep = 4e-3;     // held set-points make the residual a staircase [s]
+
+bool used(const std::vector<bool>& use, int motion) {
+  return use.empty() || use[static_cast<std::size_t>(motion)];
+}
+
+/// Width and direction of the difference for one parameter.
+double differenceStep(const EffectParameter& parameter, double value) {
+  double step = kStepShare * (parameter.upper - parameter.lower);
+  if (parameter.unit == "s" && parameter.joint < 0)
+    step = kDelayStep;
+  else if (value != 0.0)
+    step = std::clamp(kStepOfValue * std::abs(value), kSmallestStep * step, step);
+  return value + step > parameter.upper ? -step : step;
+}
+
+int sizeOf(const ResidualLayout& layout, const ResidualBlock& block) {
+  return layout.channels[static_cast<std::size_t>(block.channel)].size;
+}
+
+/// Weight of a block of each channel, so that channels count equally per component.
+Eigen::VectorXd channelWeights(const ResidualLayout& layout) {
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.channels.size()));
+  for (const ResidualBlock& block : layout.blocks) count(block.channel) += sizeOf(layout, block);
+  const double mean = count.mean();
+  return count.unaryExpr([&](double n) { return n > 0.0 ? mean / n : 0.0; });
+}
+
+/// Residuals and derivatives at the point that Ceres asks for: computed once for all blocks.
+class Evaluation : public ceres::EvaluationCallback {
+ public:
+  Evaluation(const EffectFitProblem& problem, const Eigen::VectorXd& values)
+      : problem_(problem), values_(values) {}
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) final {
+    if (new_evaluation_point || residual_.size() == 0) {
+      const SimulationConfig here = withValues(problem_.simulation, problem_.parameters, values_);
+      residual_ = residuals(*problem_.recording, *problem_.layout, here);
+    }
+    if (evaluate_jacobians) {
+      jacobian_ = residualJacobian(*problem_.recording, *problem_.layout, problem_.simulation,
+                                   problem_.parameters, values_, residual_, problem_.frozen.cols());
+      jacobian_.leftCols(problem_.frozen.cols()) = problem_.frozen;
+    }
+  }
+  const Eigen::VectorXd& residual() const { return residual_; }
+  const Eigen::MatrixXd& jacobian() const { return jacobian_; }
+
+ private:
+  const EffectFitProblem& problem_;
+  const Eigen::VectorXd& values_;  // Ceres writes the point into it
+  Eigen::VectorXd residual_;
+  Eigen::MatrixXd jacobian_;
+};
+
+/// One block of the residual vector, whitened.
+class BlockCost : public ceres::CostFunction {
+ public:
+  BlockCost(const Evaluation& evaluation, Eigen::Index offset, int size, double scale,
+            int parameters)
+      : evaluation_(evaluation), offset_(offset), size_(size), scale_(scale) {
+    set_num_residuals(size);
+    mutable_parameter_block_sizes()->push_back(parameters);
+  }
+  bool Evaluate(double const* const* /*parameters*/, double* residual,
+                double** jacobians) const override {
+    Eigen::Map<Eigen::VectorXd>(residual, size_) =
+        evaluation_.residual().segment(offset_, size_) / scale_;
+    if (jacobians && jacobians[0]) {
+      using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      const Eigen::MatrixXd& J = evaluation_.jacobian();
+      Eigen::MatrixXd rows = J.middleRows(offset_, size_) / scale_;
+      if (J.cols() == 1)
+        Eigen::Map<Eigen::VectorXd>(jacobians[0], size_) = rows.col(0);
+      else
+        Eigen::Map<RowMajor>(jacobians[0], size_, J.cols()) = rows;
+    }
+    return true;
+  }
+
+ private:
+  const Evaluation& evaluation_;
+  Eigen::Index offset_;
+  int size_;
+  double scale_;
+};
+
+/// Sandwich over motions, and the model's own covariance; for every parameter the larger variance.
+Eigen::MatrixXd covarianceOf(const EffectFitProblem& problem, const EffectFit& fit) {
+  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
+  // The scales of what is left, not of what was there when the fit began.
+  const Eigen::VectorXd scales = channelScales(*problem.layout, fit.residual, problem.use);
+  const std::vector<NormalEquations> motions =
+      normalEquations(*problem.layout, fit.residual, fit.jacobian, scales);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(p, p), meat = H;
+  double n = 0.0;
+  for (std::size_t m = 0; m < motions.size(); ++m) {
+    if (!used(problem.use, static_cast<int>(m))) continue;
+    H += motions[m].H;
+    meat += motions[m].g * motions[m].g.transpose();
+    n += 1.0;
+  }
+  // Parameters that the data do not determine get the width of their whole range.
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const EffectParameter parameter =
+        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]);
+    H(i, i) += 1.0 / std::pow(parameter.upper - parameter.lower, 2);
+  }
+  const Eigen::MatrixXd inverse = H.ldlt().solve(Eigen::MatrixXd::Identity(p, p));
+  Eigen::MatrixXd covariance = inverse * meat * inverse * (n / std::max(1.0, n - 1.0));
+  const Eigen::ArrayXd ratio =
+      inverse.diagonal().array() / covariance.diagonal().array().max(1e-300);
+  const Eigen::VectorXd grow = ratio.max(1.0).sqrt();
+  return grow.asDiagonal() * covariance * grow.asDiagonal();
+}
+
+}  // namespace
+
+bool operator==(const ParameterHandle& a, const ParameterHandle& b) noexcept {
+  return a.effect == b.effect && a.index == b.index;
+}
+
+EffectParameter parameterOf(const SimulationConfig& simulation, const ParameterHandle& handle) {
+  const Effect* effect = simulation.find(handle.effect);
+  std::unique_ptr<Effect> nominal;
+  if (!effect) {
+    nominal = makeEffect(handle.effect, simulation.robot);
+    effect = nominal.get();
+  }
+  if (handle.index < 0 || handle.index >= static_cast<int>(effect->parameters().size()))
+    throw InvalidInput(
+        format("effect %s has no parameter %d", handle.effect.c_str(), handle.index));
+  return effect->parameters()[static_cast<std::size_t>(handle.index)];
+}
+
+SimulationConfig withValues(const SimulationConfig& simulation,
+                            const std::vector<ParameterHandle>& parameters,
+                            const Eigen::VectorXd& values) {
+  std::map<std::string, std::unique_ptr<Effect>> changed;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    std::unique_ptr<Effect>& effect = changed[parameters[i].effect];
+    if (!effect) {
+      const Effect* const present = simulation.find(parameters[i].effect);
+      effect = present ? present->clone() : makeEffect(parameters[i].effect, simulation.robot);
+    }
+    effect->setValue(parameters[i].index, values(static_cast<Eigen::Index>(i)));
+  }
+  SimulationConfig result = simulation;
+  for (auto& entry : changed) result.set(std::move(entry.second));
+  return result;
+}
+
+Eigen::MatrixXd residualJacobian(const Recording& recording, const ResidualLayout& layout,
+                                 const SimulationConfig& simulation,
+                                 const std::vector<ParameterHandle>& parameters,
+                                 const Eigen::VectorXd& values, const Eigen::VectorXd& residual,
+                                 Eigen::Index first) {
+  const auto p = static_cast<Eigen::Index>(parameters.size());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(layout.size, p);
+#pragma omp parallel for schedule(dynamic)
+  for (Eigen::Index i = first; i < p; ++i) {
+    const EffectParameter parameter =
+        parameterOf(simulation, parameters[static_cast<std::size_t>(i)]);
+    const double step = differenceStep(parameter, values(i));
+    Eigen::VectorXd moved = values;
+    moved(i) += step;
+    jacobian.col(i) =
+        (residuals(recording, layout, withValues(simulation, parameters, moved)) - residual) / step;
+  }
+  return jacobian;
+}
+
+std::vector<NormalEquations> normalEquations(const ResidualLayout& layout,
+                                             const Eigen::VectorXd& residual,
+                                             const Eigen::MatrixXd& jacobian,
+                                             const Eigen::VectorXd& scales) {
+  const Eigen::Index p = jacobian.cols();
+  std::vector<NormalEquations> all(static_cast<std::size_t>(layout.motions),
+                                   {Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p)});
+  // The rows of a motion are neighbours: one product for each.
+  const Eigen::VectorXd weights = rowWeights(layout, residual, scales);
+  std::vector<Eigen::Index> begin(all.size(), -1), end(all.size(), 0);
+  for (const ResidualBlock& block : layout.blocks) {
+    const auto m = static_cast<std::size_t>(block.motion);
+    if (begin[m] < 0) begin[m] = block.offset;
+    end[m] = block.offset + sizeOf(layout, block);
+  }
+  for (std::size_t m = 0; m < all.size(); ++m) {
+    if (begin[m] < 0) continue;
+    const Eigen::Index rows = end[m] - begin[m];
+    const auto J = jacobian.middleRows(begin[m], rows);
+    const Eigen::MatrixXd WJ = weights.segment(begin[m], rows).asDiagonal() * J;
+    all[m].H.noalias() = WJ.transpose() * J;
+    all[m].g.noalias() = WJ.transpose() * residual.segment(begin[m], rows);
+  }
+  return all;
+}
+
+EffectFit fitEffects(const EffectFitProblem& problem) {
+  const ResidualLayout& layout = *problem.layout;
+  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
+  if (problem.start.size() != p || problem.frozen.cols() > p ||
+      (!problem.use.empty() && static_cast<int>(problem.use.size()) != layout.motions))
+    throw InvalidInput(format("a fit of %d parameters to %d motions got %d values and %zu flags",
+                              static_cast<int>(p), layout.motions,
+                              static_cast<int>(problem.start.size()), problem.use.size()));
+  EffectFit fit;
+  fit.values = problem.start;
+  Evaluation evaluation(problem, fit.values);
+  ceres::Problem::Options problem_options;
+  problem_options.evaluation_callback = &evaluation;
+  ceres::Problem least_squares(problem_options);
+  const Eigen::VectorXd weights = channelWeights(layout);
+  for (const ResidualBlock& block : layout.blocks) {
+    if (!used(problem.use, block.motion)) continue;
+    const int size = sizeOf(layout, block);
+    least_squares.AddResidualBlock(
+        new BlockCost(evaluation, block.offset, size, problem.scales(block.channel),
+                      static_cast<int>(p)),
+        new ceres::ScaledLoss(new ceres::HuberLoss(blockThreshold(size)), weights(block.channel),
+                              ceres::TAKE_OWNERSHIP),
+        fit.values.data());
+  }
+  if (least_squares.NumResidualBlocks() == 0) throw InvalidInput("no motion to fit effects to");
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const EffectParameter parameter =
+        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]);
+    least_squares.SetParameterLowerBound(fit.values.data(), static_cast<int>(i), parameter.lower);
+    least_squares.SetParameterUpperBound(fit.values.data(), static_cast<int>(i), parameter.upper);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.dense_linear_algebra_library_type = ceres::EIGEN;  // not a slow LAPACK
+  options.max_num_iterations = problem.max_iterations;
+  options.function_tolerance = 1e-6;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &least_squares, &summary);
+
+  fit.converged = summary.termination_type == ceres::CONVERGENCE;
+  fit.message = summary.message;
+  fit.iterations = static_cast<int>(summary.iterations.size());
+  evaluation.PrepareForEvaluation(true, true);
+  fit.residual = evaluation.residual();
+  fit.jacobian = evaluation.jacobian();
+  fit.covariance = covarianceOf(problem, fit);
+  return fit;
+}
+
+}  // namespace raven_correction

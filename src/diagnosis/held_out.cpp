@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/diagnosis/held_out.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "raven_correction/geometry/statistics.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr int kResamples = 1000;
+
+/// Parameters of one fold: a step from those of all motions.
+Eigen::VectorXd withoutFold(const EffectFitProblem& problem, const EffectFit& fit,
+                            const Eigen::MatrixXd& H, const Eigen::VectorXd& g) {
+  Eigen::MatrixXd damped = H;
+  const Eigen::Index p = fit.values.size();
+  std::vector<EffectParameter> parameters;
+  for (Eigen::Index i = 0; i < p; ++i) {
+    parameters.push_back(
+        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]));
+    // What the other motions do not determine stays where it is.
+    damped(i, i) +=
+        1e-9 * H(i, i) + std::pow(parameters.back().upper - parameters.back().lower, -2);
+  }
+  Eigen::VectorXd values = fit.values - damped.ldlt().solve(g);
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const EffectParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    values(i) = std::isfinite(values(i)) ? std::clamp(values(i), parameter.lower, parameter.upper)
+                                         : fit.values(i);
+  }
+  return values;
+}
+
+}  // namespace
+
+Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds) {
+  const ResidualLayout& layout = *problem.layout;
+  if (problem.parameters.empty()) return fit.residual;
+  const Eigen::VectorXd scales = channelScales(layout, fit.residual, problem.use);
+  const std::vector<NormalEquations> motions =
+      normalEquations(layout, fit.residual, fit.jacobian, scales);
+  const Eigen::Index p = fit.values.size();
+  NormalEquations all{Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p)};
+  for (const NormalEquations& motion : motions) {
+    all.H += motion.H;
+    all.g += motion.g;
+  }
+  Eigen::VectorXd result = fit.residual;
+#pragma omp parallel for schedule(dynamic)
+  for (int fold = 0; fold < folds; ++fold) {
+    NormalEquations rest = all;
+    for (std::size_t m = static_cast<std::size_t>(fold); m < motions.size();
+         m += static_cast<std::size_t>(folds)) {
+      rest.H -= motions[m].H;
+      rest.g -= motions[m].g;
+    }
+    const Eigen::VectorXd there = residuals(*problem.recording, layout,
+                                            withValues(problem.simulation, problem.parameters,
+                                                       withoutFold(problem, fit, rest.H, rest.g)));
+    for (const ResidualBlock& block : layout.blocks) {
+      if (block.motion % folds != fold) continue;
+      const int size = layout.channels[static_cast<std::size_t>(block.channel)].size;
+      result.segment(block.offset, size) = there.segment(block.offset, size);
+    }
+  }
+  return result;
+}
+
+LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                             std::uint64_t seed) {
+  std::vector<double> base, difference;
+  for (Eigen::Index m = 0; m < before.size(); ++m) {
+    if (!std::isfinite(before(m)) || !std::isfinite(after(m))) continue;
+    base.push_back(before(m));
+    difference.push_back(before(m) - after(m));
+  }
+  LossComparison result;
+  const std::size_t n = base.size();
+  if (n < 2 || !(mean(base) > 0.0)) return result;
+  const double gain = mean(difference);
+  result.share = gain / mean(base);
+  const double root = std::sqrt(static_cast<double>(n));
+  const double tiny = 1e-12 * mean(base);
+  result.z_mean = gain / (standardDeviation(difference) / root + tiny);
+  std::vector<double> away;
+  const double middle = median(difference);
+  for (const double d : difference) away.push_back(std::abs(d - middle));
+  result.z_typical = gain / (1.4826 * median(away) / root + tiny);
+
+  std::mt19937_64 engine(seed);
+  std::uniform_int_distribution<std::size_t> draw(0, n - 1);
+  std::vector<double> shares;
+  for (int i = 0; i < kResamples; ++i) {
+    double total = 0.0, gained = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t at = draw(engine);
+      total += base[at];
+      gained += difference[at];
+    }
+    shares.push_back(gained / total);
+  }
+  result.lower = quantile(shares, 0.025);
+  result.upper = quantile(std::move(shares), 0.975);
+  return result;
+}
+
+}  // namespace raven_correction

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/diagnosis/hypothesis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "raven_correction/error.h"
+#include "raven_correction/geometry/statistics.h"
+#include "raven_correction/simulation/effect_registry.h"
+
+namespace raven_correction {
+namespace {
+
+/// Parameters that do nothing while the amplitude of their effect is 0.
+struct Shape {
+  const char* effect;
+  const char* symbol;
+  bool fixed;  // see Hypothesis::fixed_shapes
+};
+constexpr Shape kShapes[] = {{"creep", "T", false},
+                             {"pulley_eccentricity", "N", false},
+                             {"pulley_eccentricity", "phi", false},
+                             {"registration_shift", "t0", true}};
+
+const Shape* shapeOf(const std::string& effect, const std::string& symbol) {
+  for (const Shape& shape : kShapes)
+    if (effect == shape.effect && symbol == shape.symbol) return &shape;
+  return nullptr;
+}
+
+constexpr double kAmplitudeShare = 4e-3;  // of a parameter's range: a size that shows [-]
+
+bool possible(const Effect& effect, const Recording& recording) {
+  const EffectStage stage = effect.stage();
+  const bool geometric = stage == EffectStage::kKinematics || stage == EffectStage::kObservation;
+  const bool before_motors = stage == EffectStage::kCommand || stage == EffectStage::kDrive;
+  if (geometric && !recording.has_kinematics) return false;
+  if (before_motors && recording.source == DriveSource::kEncoders) return false;
+  if (!effect.needsLoad()) return true;
+  double mass = 0.0;
+  for (const Joint& joint : recording.robot.joints()) mass += joint.mass;
+  return recording.has_kinematics && mass > 0.0 && recording.robot.gravity().norm() > 0.0;
+}
+
+/// The hypotheses of one effect: amplitudes that belong together, and the shapes of their joint.
+void addHypothesesOf(const Effect& effect, std::vector<Hypothesis>& all) {
+  const std::vector<EffectParameter>& parameters = effect.parameters();
+  Hypothesis whole;
+  whole.effect = effect.name();
+  const auto addShapes = [&](int joint, Hypothesis& hypothesis) {
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Shape* const shape = shapeOf(effect.name(), parameters[i].symbol);
+      if (!shape || parameters[i].joint != joint) continue;
+      hypothesis.parameters.push_back({effect.name(), static_cast<int>(i)});
+      ++hypothesis.shapes;
+      hypothesis.fixed_shapes += shape->fixed;
+    }
+  };
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const EffectParameter& parameter = parameters[i];
+    if (shapeOf(effect.name(), parameter.symbol)) continue;
+    if (parameter.joint < 0) {
+      whole.parameters.push_back({effect.name(), static_cast<int>(i)});
+      continue;
+    }
+    Hypothesis one;
+    one.effect = effect.name();
+    one.joints = {parameter.joint};
+    if (parameter.source >= 0) one.joints.push_back(parameter.source);
+    one.parameters.push_back({effect.name(), static_cast<int>(i)});
+    addShapes(parameter.joint, one);
+    all.push_back(one);
+  }
+  if (whole.parameters.empty()) return;
+  addShapes(-1, whole);
+  all.push_back(whole);
+}
+
+/// How many symbols an effect has for one joint, without shapes.
+bool hasSeveralSymbols(const Hypothesis& hypothesis, const Effect& effect) {
+  const EffectParameter& mine =
+      effect.parameters()[static_cast<std::size_t>(hypothesis.parameters.front().index)];
+  for (const EffectParameter& other : effect.parameters())
+    if (other.joint == mine.joint && other.symbol != mine.symbol &&
+        !shapeOf(effect.name(), other.symbol))
+      return true;
+  return false;
+}
+
+}  // namespace
+
+std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& robot) {
+  std::string label = hypothesis.effect;
+  if (hypothesis.joints.empty()) return label;
+  const std::unique_ptr<Effect> effect = makeEffect(hypothesis.effect, robot);
+  if (hasSeveralSymbols(hypothesis, *effect))
+    label +=
+        " " +
+        effect->parameters()[static_cast<std::size_t>(hypothesis.parameters.front().index)].symbol;
+  const std::vector<std::string> names = robot.jointNames();
+  label += " of " + names[static_cast<std::size_t>(hypothesis.joints[0])];
+  if (hypothesis.joints.size() > 1)
+    label += " by " + names[static_cast<std::size_t>(hypothesis.joints[1])];
+  return label;
+}
+
+std::vector<Hypothesis> allHypotheses(const Recording& recording) {
+  std::vector<Hypothesis> all;
+  for (const std::string& name : effectNames()) {
+    const std::unique_ptr<Effect> effect = makeEffect(name, recording.robot);
+    if (possible(*effect, recording)) addHypothesesOf(*effect, all);
+  }
+  return all;
+}
+
+RecordingSummary summarise(const Recording& recording) {
+  const int n = recording.robot.size();
+  RecordingSummary summary;
+  summary.start = std::min(recording.motions.front().setpoints.front().stamp,
+                           recording.motions.front().observations.front().stamp);
+  std::vector<std::vector<double>> speeds(static_cast<std::size_t>(n));
+  JointVector lowest = JointVector::Constant(n, std::numeric_limits<double>::max());
+  JointVector highest = -lowest;
+  for (const Recording::Motion& motion : recording.motions) {
+    summary.duration = std::max(summary.duration, motion.observations.back().stamp - summary.start);
+    for (std::size_t i = 0; i < motion.setpoints.size(); ++i) {
+      lowest = lowest.cwiseMin(motion.setpoints[i].joints);
+      highest = highest.cwiseMax(motion.setpoints[i].joints);
+      if (i < 2) continue;
+      const double step = motion.setpoints[i].stamp - motion.setpoints[i - 2].stamp;
+      if (!(step > 1e-3)) continue;
+      for (int j = 0; j < n; ++j)
+        speeds[static_cast<std::size_t>(j)].push_back(
+            std::abs(motion.setpoints[i].joints(j) - motion.setpoints[i - 2].joints(j)) / step);
+    }
+  }
+  summary.range = highest - lowest;
+  summary.peak_speed = JointVector::Zero(n);
+  for (int j = 0; j < n; ++j) {
+    auto& values = speeds[static_cast<std::size_t>(j)];
+    if (!values.empty()) summary.peak_speed(j) = quantile(std::move(values), 0.99);
+  }
+  return summary;
+}
+
+std::vector<Eigen::VectorXd> startingPoints(const Hypothesis& hypothesis,
+                                            const RecordingSummary& recording,
+                                            const SimulationConfig& simulation) {
+  const auto k = static_cast<Eigen::Index>(hypothesis.parameters.size());
+  Eigen::VectorXd base(k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const EffectParameter parameter =
+        parameterOf(simulation, hypothesis.parameters[static_cast<std::size_t>(i)]);
+    base(i) = kAmplitudeShare * (parameter.upper - std::max(0.0, parameter.lower));
+  }
+  const auto with = [&](Eigen::Index index, const std::vector<double>& values) {
+    std::vector<Eigen::VectorXd> starts;
+    for (const double value : values) {
+      const EffectParameter parameter =
+          parameterOf(simulation, hypothesis.parameters[static_cast<std::size_t>(index)]);
+      if (!(value > parameter.lower && value < parameter.upper)) continue;
+      starts.push_back(base);
+      starts.back()(index) = value;
+    }
+    return starts;
+  };
+  const std::string& effect = hypothesis.effect;
+  if (effect == "pulley_eccentricity" || effect == "registration_shift") return {};
+  if (effect == "command_delay") return with(0, {0.02, 0.1, 0.2});
+  if (effect == "tracking_lag") return with(0, {0.02, 0.1});
+  if (effect == "speed_limit") {
+    const double peak = recording.peak_speed(hypothesis.joints.front());
+    return with(0, {0.95 * peak, 0.8 * peak, 0.6 * peak, 0.4 * peak, 0.2 * peak});
+  }
+  if (effect == "creep")
+    return with(1, {0.05 * recording.duration, 0.2 * recording.duration, 0.7 * recording.duration});
+  return {base};
+}
+
+}  // namespace raven_correction

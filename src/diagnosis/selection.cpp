@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/diagnosis/selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raven_correction/diagnosis/screening.h"
+#include "raven_correction/error.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr int kFinalistIterations = 10;
+constexpr int kFinalIterations = 20;
+constexpr double kLeastSpread = 2.5;  // z over motions that every claim needs, beside the corrected
+                                      // one over typical motions
+constexpr double kTie = 2.0;          // z below which two explanations cannot be told apart
+constexpr double kTieShare = 0.9;  // and the lesser one explains at least this part of the better
+constexpr std::size_t kMostEquals = 3;
+
+/// A cause in the fit: its free parameters are `count` of the fit's, from `first`.
+struct Member {
+  Hypothesis hypothesis;
+  Eigen::Index first = 0, count = 0;
+  std::vector<Hypothesis> equals;
+  bool has_runner_up = false;
+  Hypothesis runner_up;
+  double runner_up_share = 0.0;
+};
+
+/// A hypothesis after its fit.
+struct Finalist {
+  Candidate candidate;
+  EffectFit fit;
+  Eigen::VectorXd held_out;
+};
+
+/// The value z that a standard normal variable exceeds with probability p.
+double normalQuantile(double p) {
+  double low = 0.0, high = 40.0;
+  for (int i = 0; i < 100; ++i) {
+    const double z = 0.5 * (low + high);
+    (0.5 * std::erfc(z / std::sqrt(2.0)) > p ? low : high) = z;
+  }
+  return low;
+}
+
+bool overlaps(const Hypothesis& a, const Hypothesis& b) {
+  for (const ParameterHandle& one : a.parameters)
+    if (std::find(b.parameters.begin(), b.parameters.end(), one) != b.parameters.end()) return true;
+  return false;
+}
+
+/// Hypotheses about what the simulation does not have yet: what it has stays as it is.
+std::vector<Hypothesis> newHypotheses(const Recording& recording,
+                                      const SimulationConfig& simulation) {
+  std::vector<Hypothesis> all = allHypotheses(recording);
+  const auto known = [&](const Hypothesis& hypothesis) {
+    return std::any_of(hypothesis.parameters.begin(), hypothesis.parameters.end(),
+                       [&](const ParameterHandle& handle) {
+                         return parameterOf(simulation, handle).value != 0.0;
+                       });
+  };
+  all.erase(std::remove_if(all.begin(), all.end(), known), all.end());
+  return all;
+}
+
+class Selector {
+ public:
+  Selector(const Recording& recording, const ResidualLayout& layout,
+           const SimulationConfig& simulation, const SelectionOptions& options,
+           const DiagnosisProgress& progress)
+      : recording_(recording),
+        layout_(layout),
+        options_(options),
+        progress_(progress),
+        summary_(summarise(recording)),
+        hypotheses_(newHypotheses(recording, simulation)) {
+    problem_.recording = &recording;
+    problem_.layout = &layout;
+    problem_.simulation = simulation;
+    problem_.max_iterations = kFinalIterations;
+    fit_.residual = residuals(recording, layout, simulation);
+    fit_.values.resize(0);
+    fit_.jacobian.resize(layout.size, 0);
+    held_out_ = fit_.residual;
+    result_.nominal_residual = fit_.residual;
+    result_.hypotheses = hypotheses_.size();
+  }
+
+  SelectionResult run() {
+    int round = 0;
+    while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
+    say("removing what no longer earns its place", 0.9);
+    while (remove()) {
+    }
+    say("writing the verdict", 0.97);
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  void say(const std::string& phase, double fraction) const {
+    if (progress_) progress_(phase, fraction);
+  }
+
+  Eigen::VectorXd losses(const Eigen::VectorXd& residual, const Eigen::VectorXd& of) const {
+    return motionLosses(layout_, residual, channelScales(layout_, of));
+  }
+
+  /// Every claim has to pass this, of a new cause or of one that stays.
+  bool earns(const LossComparison& comparison) const {
+    return comparison.share >= options_.least_share && comparison.z_mean > kLeastSpread &&
+           comparison.z_typical > threshold_;
+  }
+
+  /// The fit so far and one more hypothesis.
+  EffectFitProblem with(const Candidate& candidate) const {
+    EffectFitProblem problem = problem_;
+    const Hypothesis& hypothesis = candidate.hypothesis;
+    const auto free =
+        static_cast<Eigen::Index>(hypothesis.parameters.size() - hypothesis.fixed_shapes);
+    const auto p = static_cast<Eigen::Index>(problem.parameters.size());
+    problem.parameters.insert(problem.parameters.end(), hypothesis.parameters.begin(),
+                              hypothesis.parameters.begin() + free);
+    const std::vector<ParameterHandle> fixed(hypothesis.parameters.begin() + free,
+                                             hypothesis.parameters.end());
+    problem.simulation =
+        withValues(problem.simulation, fixed,
+                   candidate.start.tail(static_cast<Eigen::Index>(hypothesis.fixed_shapes)));
+    problem.start.resize(p + free);
+    problem.start << candidate.others, candidate.start.head(free);
+    return problem;
+  }
+
+  std::vector<Finalist> fitFinalists(std::vector<Candidate> candidates) const {
+    candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.finalists)));
+    const Eigen::VectorXd scales = channelScales(layout_, fit_.residual);
+    std::vector<Finalist> finalists(candidates.size());
+#pragma omp parallel for schedule(dynamic)
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      EffectFitProblem problem = with(candidates[i]);
+      problem.scales = scales;
+      problem.max_iterations = kFinalistIterations;
+      problem.frozen = fit_.jacobian;
+      finalists[i].candidate = candidates[i];
+      finalists[i].fit = fitEffects(problem);
+      finalists[i].held_out = heldOutResiduals(problem, finalists[i].fit, options_.folds);
+    }
+    return finalists;
+  }
+
+  /// Of those that explain the held-out motions equally the one with the fewest parameters;
+  /// `equals` are the others, and `rest` is the best of those that explain them worse.
+  const Finalist* choose(const std::vector<Finalist>& finalists, Member& member) const {
+    const Eigen::VectorXd before = losses(held_out_, held_out_);
+    std::vector<double> gain;
+    for (const Finalist& finalist : finalists)
+      gain.push_back(
+          compareLosses(before, losses(finalist.held_out, held_out_), options_.seed).share);
+    const std::size_t best =
+        static_cast<std::size_t>(std::max_element(gain.begin(), gain.end()) - gain.begin());
+    // At the scale of what the best one leaves, small differences show.
+    const Eigen::VectorXd fine = losses(finalists[best].held_out, finalists[best].held_out);
+    std::vector<std::size_t> equal;
+    std::size_t rest = finalists.size();
+    for (std::size_t i = 0; i < finalists.size(); ++i) {
+      const LossComparison worse = compareLosses(
+          losses(finalists[i].held_out, finalists[best].held_out), fine, options_.seed);
+      if (i == best || (worse.z_mean <= kTie && gain[i] >= kTieShare * gain[best]))
+        equal.push_back(i);
+      else if (rest == finalists.size() || gain[i] > gain[rest])
+        rest = i;
+    }
+    const auto simpler = [&](std::size_t a, std::size_t b) {
+      const std::size_t pa = finalists[a].candidate.hypothesis.parameters.size();
+      const std::size_t pb = finalists[b].candidate.hypothesis.parameters.size();
+      return pa != pb ? pa < pb : gain[a] > gain[b];
+    };
+    std::sort(equal.begin(), equal.end(), simpler);
+    const Finalist& chosen = finalists[equal.front()];
+    member.hypothesis = chosen.candidate.hypothesis;
+    for (std::size_t i = 1; i < equal.size() && member.equals.size() < kMostEquals; ++i)
+      member.equals.push_back(finalists[equal[i]].candidate.hypothesis);
+    if (rest < finalists.size() && gain[rest] > 0.0) {
+      member.has_runner_up = true;
+      member.runner_up = finalists[rest].candidate.hypothesis;
+      member.runner_up_share = gain[rest] / std::max(gain[equal.front()], 1e-12);
+    }
+    return &chosen;
+  }
+
+  bool add(int round) {
+    say(format("round %d: trying %zu hypotheses", round + 1, hypotheses_.size()),
+        std::min(0.85, 0.1 + 0.08 * round));
+    std::vector<Hypothesis> open;
+    for (const Hypothesis& hypothesis : hypotheses_) {
+      const bool in = std::any_of(members_.begin(), members_.end(), [&](const Member& member) {
+        return overlaps(member.hypothesis, hypothesis);
+      });
+      if (!in) open.push_back(hypothesis);
+    }
+    const Screening screening = screen(problem_, fit_, open, summary_);
+    if (round == 0) {
+      result_.starts = screening.starts;
+      threshold_ = normalQuantile(options_.significance /
+                                  static_cast<double>(std::max<std::size_t>(1, screening.starts)));
+    }
+    if (screening.candidates.empty()) return false;
+    const std::vector<Finalist> finalists = fitFinalists(screening.candidates);
+    Member member;
+    const Finalist& chosen = *choose(finalists, member);
+    if (!earns(compareLosses(losses(held_out_, held_out_), losses(chosen.held_out, held_out_),
+                             options_.seed)))
+      return false;
+    member.first = static_cast<Eigen::Index>(problem_.parameters.size());
+    Candidate from = chosen.candidate;
+    from.others = chosen.fit.values.head(member.first);
+    const auto free = chosen.fit.values.size() - member.first;
+    from.start.head(free) = chosen.fit.values.tail(free);
+    problem_ = with(from);
+    member.count = free;
+    members_.push_back(std::move(member));
+    refit();
+    return true;
+  }
+
+  void refit() {
+    problem_.scales = channelScales(layout_, fit_.residual);
+    problem_.frozen.resize(0, 0);
+    fit_ = fitEffects(problem_);
+    problem_.start = fit_.values;
+    held_out_ = heldOutResiduals(problem_, fit_, options_.folds);
+  }
+
+  /// The fit without one cause, all others free to make up for it.
+  EffectFitProblem without(const Member& member) const {
+    EffectFitProblem problem = problem_;
+    const auto begin = static_cast<std::ptrdiff_t>(member.first);
+    const auto end = static_cast<std::ptrdiff_t>(member.first + member.count);
+    problem.simulation = withValues(
+        problem.simulation, member.hypothesis.parameters,
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(member.hypothesis.parameters.size())));
+    problem.parameters.erase(problem.parameters.begin() + begin, problem.parameters.begin() + end);
+    const Eigen::Index after = problem_.start.size() - member.first - member.count;
+    problem.start.resize(member.first + after);
+    problem.start << fit_.values.head(member.first), fit_.values.tail(after);
+    problem.frozen.resize(layout_.size, member.first + after);
+    problem.frozen << fit_.jacobian.leftCols(member.first), fit_.jacobian.rightCols(after);
+    return problem;
+  }
+
+  /// Held-out residuals when each cause is dropped and the others are refitted.
+  std::vector<Eigen::VectorXd> dropEach() const {
+    std::vector<Eigen::VectorXd> dropped(members_.size());
+#pragma omp parallel for schedule(dynamic)
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      EffectFitProblem problem = without(members_[i]);
+      if (problem.parameters.empty()) {
+        dropped[i] = residuals(recording_, layout_, problem.simulation);
+        continue;
+      }
+      problem.scales = channelScales(layout_, result_.nominal_residual);
+      problem.max_iterations = kFinalistIterations;
+      const EffectFit fit = fitEffects(problem);
+      dropped[i] = heldOutResiduals(problem, fit, options_.folds);
+    }
+    return dropped;
+  }
+
+  /// Removes the cause that earns its place least, if there is one. @return whether it did
+  bool remove() {
+    if (members_.empty()) return false;
+    dropped_ = dropEach();
+    std::size_t weakest = members_.size();
+    double least = 0.0;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      const LossComparison comparison = compareLosses(
+          losses(dropped_[i], dropped_[i]), losses(held_out_, dropped_[i]), options_.seed);
+      if (earns(comparison) || (weakest < members_.size() && comparison.share >= least)) continue;
+      weakest = i;
+      least = comparison.share;
+    }
+    if (weakest == members_.size()) return false;
+    const Member gone = members_[weakest];
+    problem_ = without(gone);
+    members_.erase(members_.begin() + static_cast<std::ptrdiff_t>(weakest));
+    for (Member& member : members_)
+      if (member.first > gone.first) member.first -= gone.count;
+    if (members_.empty()) {
+      fit_ = EffectFit();
+      fit_.residual = held_out_ = result_.nominal_residual;
+      fit_.jacobian.resize(layout_.size, 0);
+    } else {
+      refit();
+    }
+    return true;
+  }
+
+  Cause describe(const Member& member, const Eigen::VectorXd& dropped) const {
+    Cause cause;
+    cause.hypothesis = member.hypothesis;
+    const auto k = static_cast<Eigen::Index>(member.hypothesis.parameters.size());
+    cause.values.resize(k);
+    cause.deviations = Eigen::VectorXd::Zero(k);
+    cause.values.head(member.count) = fit_.values.segment(member.first, member.count);
+    cause.deviations.head(member.count) =
+        fit_.covariance.diagonal().segment(member.first, member.count).cwiseSqrt();
+    for (Eigen::Index i = member.count; i < k; ++i)
+      cause.values(i) = parameterOf(problem_.simulation,
+                                    member.hypothesis.parameters[static_cast<std::size_t>(i)])
+                            .value;
+    // In shares of the loss before any cause.
+    const Eigen::VectorXd& nominal = result_.nominal_residual;
+    const Eigen::VectorXd before = losses(nominal, nominal);
+    const Eigen::VectorXd saved = losses(dropped, nominal) - losses(held_out_, nominal);
+    const LossComparison comparison = compareLosses(before, before - saved, options_.seed);
+    cause.share = comparison.share;
+    cause.lower = comparison.lower;
+    cause.upper = comparison.upper;
+    cause.equals = member.equals;
+    cause.has_runner_up = member.has_runner_up;
+    cause.runner_up = member.runner_up;
+    cause.runner_up_share = member.runner_up_share;
+    return cause;
+  }
+
+  void finish() {
+    result_.simulation = withValues(problem_.simulation, problem_.parameters, fit_.values);
+    for (std::size_t i = 0; i < members_.size(); ++i)
+      result_.causes.push_back(describe(members_[i], dropped_[i]));
+    for (const Cause& cause : result_.causes) {
+      std::unique_ptr<Effect> effect = result_.simulation.find(cause.hypothesis.effect)->clone();
+      for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i)
+        effect->setDeviation(cause.hypothesis.parameters[i].index,
+                             cause.deviations(static_cast<Eigen::Index>(i)));
+      result_.simulation.set(std::move(effect));
+    }
+    for (const Hypothesis& hypothesis : hypotheses_) {  // tried, and removed again
+      const Effect* const effect = result_.simulation.find(hypothesis.effect);
+      if (effect && std::all_of(effect->parameters().begin(), effect->parameters().end(),
+                                [](const EffectParameter& p) { return p.value == 0.0; }))
+        result_.simulation.remove(hypothesis.effect);
+    }
+    std::stable_sort(result_.causes.begin(), result_.causes.end(),
+                     [](const Cause& a, const Cause& b) { return a.share > b.share; });
+    result_.fitted_residual = fit_.residual;
+    result_.held_out_residual = held_out_;
+  }
+
+  const Recording& recording_;
+  const ResidualLayout& layout_;
+  const SelectionOptions options_;
+  const DiagnosisProgress& progress_;
+  const RecordingSummary summary_;
+  const std::vector<Hypothesis> hypotheses_;
+  double threshold_ = 0.0;    // of z over typical motions, corrected for the number of starts
+  EffectFitProblem problem_;  // the causes so far
+  EffectFit fit_;
+  Eigen::VectorXd held_out_;  // residual
+  std::vector<Member> members_;
+  std::vector<Eigen::VectorXd> dropped_;  // see dropEach()
+  SelectionResult result_;
+};
+
+}  // namespace
+
+SelectionResult selectCauses(const Recording& recording, const ResidualLayout& layout,
+                             const SimulationConfig& simulation, const SelectionOptions& options,
+                             const DiagnosisProgress& progress) {
+  if (options.folds < 2 || layout.motions < options.folds)
+    throw InvalidInput(format("%s: %d motions, but %d folds; at least one motion is needed in each",
+                              recording.name.c_str(), layout.motions, options.folds));
+  return Selector(recording, layout, simulation, options, progress).run();
+}
+
+}  // namespace raven_correction
