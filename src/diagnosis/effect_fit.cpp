@@ -150,7 +150,10 @@ EffectParameter parameterOf(const SimulationConfig& simulation, const ParameterH
   if (handle.index < 0 || handle.index >= static_cast<int>(effect->parameters().size()))
     throw InvalidInput(
         format("effect %s has no parameter %d", handle.effect.c_str(), handle.index));
-  return effect->parameters()[static_cast<std::size_t>(handle.index)];
+  EffectParameter parameter = effect->parameters()[static_cast<std::size_t>(handle.index)];
+  parameter.lower = std::max(parameter.lower, handle.lower);
+  parameter.upper = std::min(parameter.upper, handle.upper);
+  return parameter;
 }
 
 SimulationConfig withValues(const SimulationConfig& simulation,
@@ -252,7 +255,7 @@ EffectFit fitEffects(const EffectFitProblem& problem) {
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.dense_linear_algebra_library_type = ceres::EIGEN;  // not a slow LAPACK
   options.max_num_iterations = problem.max_iterations;
-  options.function_tolerance = 1e-6;
+  options.function_tolerance = problem.tolerance;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &least_squares, &summary);

@@ -18,12 +18,13 @@ namespace {
 struct Shape {
   const char* effect;
   const char* symbol;
-  bool fixed;  // see Hypothesis::fixed_shapes
+  bool fixed;     // see Hypothesis::fixed_shapes
+  bool periodic;  // a wave number: at least half a wave over the range of the joint
 };
-constexpr Shape kShapes[] = {{"creep", "T", false},
-                             {"pulley_eccentricity", "N", false},
-                             {"pulley_eccentricity", "phi", false},
-                             {"registration_shift", "t0", true}};
+constexpr Shape kShapes[] = {{"creep", "T", false, false},
+                             {"pulley_eccentricity", "N", false, true},
+                             {"pulley_eccentricity", "phi", false, false},
+                             {"registration_shift", "t0", true, false}};
 
 const Shape* shapeOf(const std::string& effect, const std::string& symbol) {
   for (const Shape& shape : kShapes)
@@ -31,6 +32,7 @@ const Shape* shapeOf(const std::string& effect, const std::string& symbol) {
   return nullptr;
 }
 
+constexpr double kLeastPhase = 3.14159265358979323846;  // less is an offset, or a wrong ratio [rad]
 constexpr double kAmplitudeShare = 4e-3;  // of a parameter's range: a size that shows [-]
 
 bool possible(const Effect& effect, const Recording& recording) {
@@ -46,7 +48,8 @@ bool possible(const Effect& effect, const Recording& recording) {
 }
 
 /// The hypotheses of one effect: amplitudes that belong together, and the shapes of their joint.
-void addHypothesesOf(const Effect& effect, std::vector<Hypothesis>& all) {
+void addHypothesesOf(const Effect& effect, const RecordingSummary& summary,
+                     std::vector<Hypothesis>& all) {
   const std::vector<EffectParameter>& parameters = effect.parameters();
   Hypothesis whole;
   whole.effect = effect.name();
@@ -54,7 +57,9 @@ void addHypothesesOf(const Effect& effect, std::vector<Hypothesis>& all) {
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Shape* const shape = shapeOf(effect.name(), parameters[i].symbol);
       if (!shape || parameters[i].joint != joint) continue;
-      hypothesis.parameters.push_back({effect.name(), static_cast<int>(i)});
+      ParameterHandle handle{effect.name(), static_cast<int>(i)};
+      if (shape->periodic) handle.lower = kLeastPhase / std::max(1e-9, summary.range(joint));
+      hypothesis.parameters.push_back(handle);
       ++hypothesis.shapes;
       hypothesis.fixed_shapes += shape->fixed;
     }
@@ -108,10 +113,11 @@ std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& 
 }
 
 std::vector<Hypothesis> allHypotheses(const Recording& recording) {
+  const RecordingSummary summary = summarise(recording);
   std::vector<Hypothesis> all;
   for (const std::string& name : effectNames()) {
     const std::unique_ptr<Effect> effect = makeEffect(name, recording.robot);
-    if (possible(*effect, recording)) addHypothesesOf(*effect, all);
+    if (possible(*effect, recording)) addHypothesesOf(*effect, summary, all);
   }
   return all;
 }

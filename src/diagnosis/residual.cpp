@@ -16,6 +16,9 @@ using Kind = Recording::Observation::Kind;
 
 constexpr double kLongestStep = 0.1;  // every operator is exact for held set-points [s]
 constexpr double kPause = 0.2;  // between motions; shorter: one goes on where the other ends [s]
+// A command of the very stamp of an observation has been carried out: recordings that go from stop
+// to stop have one stamp for both [s].
+constexpr double kAfter = 1e-6;
 constexpr double kSmallestLength = 1e-6;  // below it nothing is measured [m]
 constexpr double kSmallestAngle = 1e-5;   // [rad]
 constexpr double kHuberThreshold = 3.0;   // in standard deviations of the components [-]
@@ -65,7 +68,7 @@ class Replay {
     while (next_ < motion_->setpoints.size() &&
            (next_ == 0 || motion_->setpoints[next_ - 1].stamp <= stamp))
       take();
-    arm_.advanceTo(stamp);
+    arm_.advanceTo(stamp + kAfter);
     return arm_;
   }
   void end() {

@@ -10,8 +10,10 @@
 namespace raven_correction {
 namespace {
 
-constexpr int kFinalistIterations = 10;
-constexpr int kFinalIterations = 20;
+constexpr int kFinalistIterations = 8;
+constexpr double kFinalistTolerance = 1e-4;
+constexpr int kRefitIterations = 8;
+constexpr double kRefitTolerance = 1e-5;
 constexpr double kLeastSpread = 2.5;  // z over motions that every claim needs, beside the corrected
                                       // one over typical motions
 constexpr double kTie = 2.0;          // z below which two explanations cannot be told apart
@@ -35,14 +37,17 @@ struct Finalist {
   Eigen::VectorXd held_out;
 };
 
-/// The value z that a standard normal variable exceeds with probability p.
-double normalQuantile(double p) {
+/// The value that a variable of Student's distribution exceeds with probability p: the normal
+/// quantile, by bisection, and Wallace's relation of the two. Source: Wallace 1959,
+/// doi:10.1214/aoms/1177706089
+double studentQuantile(double p, double freedom) {
   double low = 0.0, high = 40.0;
   for (int i = 0; i < 100; ++i) {
     const double z = 0.5 * (low + high);
     (0.5 * std::erfc(z / std::sqrt(2.0)) > p ? low : high) = z;
   }
-  return low;
+  const double scaled = low * (8.0 * freedom + 3.0) / (8.0 * freedom + 1.0);
+  return std::sqrt(freedom * std::expm1(scaled * scaled / freedom));
 }
 
 bool overlaps(const Hypothesis& a, const Hypothesis& b) {
@@ -79,7 +84,8 @@ class Selector {
     problem_.recording = &recording;
     problem_.layout = &layout;
     problem_.simulation = simulation;
-    problem_.max_iterations = kFinalIterations;
+    problem_.max_iterations = kRefitIterations;
+    problem_.tolerance = kRefitTolerance;
     fit_.residual = residuals(recording, layout, simulation);
     fit_.values.resize(0);
     fit_.jacobian.resize(layout.size, 0);
@@ -142,6 +148,7 @@ class Selector {
       EffectFitProblem problem = with(candidates[i]);
       problem.scales = scales;
       problem.max_iterations = kFinalistIterations;
+      problem.tolerance = kFinalistTolerance;
       problem.frozen = fit_.jacobian;
       finalists[i].candidate = candidates[i];
       finalists[i].fit = fitEffects(problem);
@@ -203,8 +210,9 @@ class Selector {
     const Screening screening = screen(problem_, fit_, open, summary_);
     if (round == 0) {
       result_.starts = screening.starts;
-      threshold_ = normalQuantile(options_.significance /
-                                  static_cast<double>(std::max<std::size_t>(1, screening.starts)));
+      const double chance =
+          options_.significance / static_cast<double>(std::max<std::size_t>(1, screening.starts));
+      threshold_ = studentQuantile(chance, std::max(1, layout_.motions - 1));
     }
     if (screening.candidates.empty()) return false;
     const std::vector<Finalist> finalists = fitFinalists(screening.candidates);
@@ -260,9 +268,16 @@ class Selector {
         dropped[i] = residuals(recording_, layout_, problem.simulation);
         continue;
       }
-      problem.scales = channelScales(layout_, result_.nominal_residual);
       problem.max_iterations = kFinalistIterations;
-      const EffectFit fit = fitEffects(problem);
+      problem.tolerance = kFinalistTolerance;
+      EffectFit fit;
+      fit.residual = residuals(recording_, layout_,
+                               withValues(problem.simulation, problem.parameters, problem.start));
+      for (int pass = 0; pass < 2; ++pass) {  // the scale shrinks as the others make up for it
+        problem.scales = channelScales(layout_, fit.residual);
+        fit = fitEffects(problem);
+        problem.start = fit.values;
+      }
       dropped[i] = heldOutResiduals(problem, fit, options_.folds);
     }
     return dropped;
@@ -316,6 +331,9 @@ class Selector {
     const Eigen::VectorXd saved = losses(dropped, nominal) - losses(held_out_, nominal);
     const LossComparison comparison = compareLosses(before, before - saved, options_.seed);
     cause.share = comparison.share;
+    const LossComparison left =
+        compareLosses(losses(dropped, held_out_), losses(held_out_, held_out_), options_.seed);
+    cause.growth = left.share / (1.0 - left.share);
     cause.lower = comparison.lower;
     cause.upper = comparison.upper;
     cause.equals = member.equals;

@@ -127,6 +127,7 @@ Json causeJson(const Verdict& verdict, std::size_t index) {
         {"value", parameter.value}, {"std", parameter.deviation}, {"unit", parameter.unit}};
   json["explained_percent"] = kPercent * cause.share;
   json["interval_percent"] = intervalJson(cause.lower, cause.upper);
+  json["left_grows_percent"] = kPercent * cause.growth;
   json["indistinguishable_from"] = equalLabels(verdict, cause);
   if (!cause.equals.empty())
     json["separated_by"] =
@@ -145,8 +146,10 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
   for (const NamedParameter& parameter : parametersOf(verdict, cause))
     text += format(" %s = %.4g +- %.2g %s,", parameter.symbol.c_str(), parameter.value,
                    parameter.deviation, parameter.unit.c_str());
-  text += format(" explains %.1f %% (%.1f..%.1f %%)", kPercent * cause.share,
-                 kPercent * cause.lower, kPercent * cause.upper);
+  text += format(
+      " explains %.1f %% (%.1f..%.1f %%) of the error; without it what is left grows by %.0f %%",
+      kPercent * cause.share, kPercent * cause.lower, kPercent * cause.upper,
+      kPercent * cause.growth);
   if (cause.has_runner_up)
     text += format("; next best: %s (%.0f %% of it)",
                    hypothesisLabel(cause.runner_up, verdict.simulation.robot).c_str(),

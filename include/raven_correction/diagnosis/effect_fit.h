@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,15 @@ namespace raven_correction {
 struct ParameterHandle {
   std::string effect;  ///< name in the catalogue
   int index = 0;       ///< into Effect::parameters()
+  /// The part of the parameter's range that makes sense for a recording.
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
 };
+/// The same effect and index.
 bool operator==(const ParameterHandle& a, const ParameterHandle& b) noexcept;
 
-/// The parameter that a handle stands for; its nominal one where the simulation lacks the effect.
+/// The parameter that a handle stands for, its range cut to that of the handle; the nominal one
+/// where the simulation lacks the effect.
 /// @throws InvalidInput  no such effect or index
 EffectParameter parameterOf(const SimulationConfig& simulation, const ParameterHandle& handle);
 
@@ -59,6 +65,7 @@ struct EffectFitProblem {
   Eigen::VectorXd scales;  ///< of the channels, see channelScales()
   std::vector<bool> use;   ///< one per motion: fitted to it; empty: all
   int max_iterations = 25;
+  double tolerance = 1e-6;    ///< relative change of the cost at which a fit has converged [-]
   /// Derivatives of the first parameters that are known well enough and not computed again:
   /// layout.size rows; may be empty.
   Eigen::MatrixXd frozen;

@@ -15,8 +15,8 @@ std::string causeText(const Verdict& verdict, std::size_t cause);
 std::string diagnosisText(const Verdict& verdict);
 
 /// {"causes": [{"effect", "joints", "label", "parameters": {name: {"value", "std", "unit"}},
-///   "explained_percent", "interval_percent": [lo, hi], "indistinguishable_from": [label],
-///   "separated_by", "runner_up": {"label", "relative_share"}}],
+///   "explained_percent", "interval_percent": [lo, hi], "left_grows_percent",
+///   "indistinguishable_from": [label], "separated_by", "runner_up": {"label", "relative_share"}}],
 ///  "unexplained": {"present", "depends_on", "rms_mm", "rms_deg", "share_percent"},
 ///  "before", "after", "after_alignment": {"position_rms_mm", "position_median_mm",
 ///   "position_p95_mm", "orientation_median_deg", "fold_position_median_mm",
