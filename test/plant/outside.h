@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Causes that no effect of the catalogue describes: a diagnosis shall say that structure remains
+// and blame nothing else for it. The catalogue's effects are in hidden_effect.h.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "plant/robot_plant.h"
+
+namespace raven_correction::plant {
+
+enum class OutsideKind {
+  kBoucWen,           ///< hysteresis of a cable with strong rounding (n = 1), wider than a stroke
+  kPositionFriction,  ///< friction of a motor that changes along its travel, from nothing to twice
+  kResonance,         ///< a joint rings at a few hertz after every start and stop
+  kThermalCycle,      ///< the shaft's length goes up and down with time
+  kQuadraticJoint,    ///< q = u + c (u - middle)^2
+  kBentShaft,         ///< the insertion shaft is bent: lateral error with depth, turning with roll
+  kRollWobble,        ///< lateral error twice per turn of the roll
+  kVolumeDistortion,  ///< quadratic field of the mocap volume, vortex-like, no scale
+  kTableSway,         ///< the whole robot moves to and fro at 1.3 Hz
+};
+const std::vector<OutsideKind>& outsideKinds();
+/// "bouc_wen", "position_friction", ...
+const char* toString(OutsideKind kind) noexcept;
+/// The kind acts on one joint, so a joint is to be chosen.
+bool isJointKind(OutsideKind kind) noexcept;
+
+/// @param joint      row of the chain; ignored where isJointKind() is false
+/// @param amplitude  1 is about a millimetre at a Raven's tool; larger is more
+/// @param span       how far the joint moves in the session [rad or m]
+/// @param middle     of that motion [rad or m]
+void applyOutside(OutsideKind kind, int joint, double amplitude, double span, double middle,
+                  RobotPhysics& physics);
+
+}  // namespace raven_correction::plant
