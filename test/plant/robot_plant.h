@@ -71,7 +71,7 @@ class RobotPlant {
     JointVector joints;
   };
   void integrate(double duration);
-  Pose bentForward(const JointVector& q) const;
+  Pose bentForward() const;
 
   RobotPhysics physics_;
   std::vector<JointDrive> drives_;
