@@ -99,6 +99,14 @@ class Draw {
 
 }  // namespace
 
+std::mt19937_64 randomFor(const std::string& effect, std::uint64_t seed) {
+  std::seed_seq words{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
+                      static_cast<std::uint32_t>(effect.size()),
+                      static_cast<std::uint32_t>(effect.front()),
+                      static_cast<std::uint32_t>(effect.back())};
+  return std::mt19937_64(words);
+}
+
 HiddenEffect drawShape(const std::string& effect, const KinematicChain& robot, const Motion& motion,
                        std::mt19937_64& random) {
   Draw draw(robot, motion, random);

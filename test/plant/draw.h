@@ -3,6 +3,10 @@
 // space is found by running the plant: session.h and joint_session.h.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -18,17 +22,28 @@ namespace raven_correction::plant {
 HiddenEffect drawShape(const std::string& effect, const KinematicChain& robot, const Motion& motion,
                        std::mt19937_64& random);
 
-/// Finds the factor by which a cause has to be scaled so that measure(scaled cause) is `size`:
-/// tries, and corrects by the ratio, until it is within 10 %.
+/// A random engine that differs for each effect, too, so that one seed draws different joints.
+std::mt19937_64 randomFor(const std::string& effect, std::uint64_t seed);
+
+/// Scales a cause until measure(cause) is within 10 % of `size`, or the cause is as large as is
+/// plausible. The next factor is proportional, or between those that were too small and too large.
 template <typename Measure>
-HiddenEffect scaledBy(const Measure& measure, const HiddenEffect& shape, double size) {
-  constexpr int kMostTrials = 8;
-  HiddenEffect effect = shape;
+HiddenEffect scaledBy(const Measure& measure, const HiddenEffect& shape,
+                      const KinematicChain& robot, double size) {
+  constexpr int kMostTrials = 12;
+  double factor = 1.0;
+  double too_small = 0.0;
+  double too_large = std::numeric_limits<double>::infinity();
+  HiddenEffect effect = plausible(shape, robot);
   for (int trial = 0; trial < kMostTrials; ++trial) {
-    const double now = measure(effect);
-    const double ratio = now > 0.0 ? size / now : 8.0;
+    const double ratio = size / std::max(measure(effect), 1e-6 * size);
     if (ratio > 1.0 / 1.1 && ratio < 1.1) break;
-    effect = scaled(effect, ratio > 8.0 ? 8.0 : (ratio < 0.125 ? 0.125 : ratio));
+    (ratio > 1.0 ? too_small : too_large) = factor;
+    factor *= std::clamp(ratio, 0.125, 8.0);
+    if (factor <= too_small || factor >= too_large) factor = std::sqrt(too_small * too_large);
+    const HiddenEffect next = plausible(scaled(shape, factor), robot);
+    if (next.parameters == effect.parameters) break;  // as large as is plausible
+    effect = next;
   }
   return effect;
 }

@@ -202,6 +202,32 @@ void applyEffect(const HiddenEffect& effect, RobotPhysics& physics) {
   symbols.refuseOthers();
 }
 
+HiddenEffect plausible(const HiddenEffect& effect, const KinematicChain& robot) {
+  if (effect.joints.empty() && effect.effect != "command_delay") return effect;
+  const auto isRevolute = [&](int row) {
+    return robot.joints()[static_cast<std::size_t>(row)].type == JointType::kRevolute;
+  };
+  const bool revolute = effect.joints.empty() || isRevolute(effect.joints[0]);
+  std::map<std::string, double> limits{{"tau", 0.3},
+                                       {"g", 0.3},
+                                       {"w", revolute ? 0.25 : 0.01},
+                                       {"d", revolute ? 0.3 : 0.02},
+                                       {"A", revolute ? 0.1 : 0.005}};
+  if (effect.effect == "tracking_lag") limits["T"] = 0.3;
+  if (effect.effect == "creep") limits["a"] = revolute ? 0.3 : 0.02;
+  if (effect.effect == "link_geometry") limits = {{"alpha", 0.2}, {"a", 0.02}, {"d", 0.02}};
+  if (effect.effect == "joint_coupling") {
+    const bool source_revolute = isRevolute(effect.joints[1]);
+    limits = {{"c", revolute == source_revolute ? 0.3 : revolute ? 6.0 : 0.015}};
+  }
+  HiddenEffect result = effect;
+  for (auto& [symbol, value] : result.parameters) {
+    const auto limit = limits.find(symbol);
+    if (limit != limits.end()) value = std::clamp(value, -limit->second, limit->second);
+  }
+  return result;
+}
+
 HiddenEffect scaled(const HiddenEffect& effect, double factor) {
   HiddenEffect result = effect;
   for (auto& [symbol, value] : result.parameters) {

@@ -64,4 +64,9 @@ void applyEffect(const HiddenEffect& effect, RobotPhysics& physics);
 /// (N, phi, t0, creep's T) stay; a speed limit is divided by it.
 HiddenEffect scaled(const HiddenEffect& effect, double factor);
 
+/// The effect with amplitudes no larger than a robot would have that still works: lag and delay
+/// 0.3 s, play and friction 0.25 rad or 1 cm, gain and coupling of equals 0.3, offsets and creep
+/// 0.3 rad or 2 cm, eccentricity 0.1 rad or 5 mm.
+HiddenEffect plausible(const HiddenEffect& effect, const KinematicChain& robot);
+
 }  // namespace raven_correction::plant

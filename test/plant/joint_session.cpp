@@ -177,7 +177,7 @@ PlantSession recordJointsHidden(const JointSessionOptions& options,
 HiddenEffect drawJointsHidden(const JointSessionOptions& options, const std::string& effect,
                               std::uint64_t seed, double smallest, double largest) {
   const Scene scene(options);
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random = randomFor(effect, seed);
   const HiddenEffect shape = drawShape(effect, scene.robot, scene.motion, random);
   const double size = std::exp(
       std::uniform_real_distribution<double>(std::log(smallest), std::log(largest))(random));
@@ -185,7 +185,7 @@ HiddenEffect drawJointsHidden(const JointSessionOptions& options, const std::str
   const auto measure = [&](const HiddenEffect& trial) {
     return difference(clean, run(scene, scene.with({trial}), options), options.noise).multiples;
   };
-  return scaledBy(measure, shape, size);
+  return scaledBy(measure, shape, scene.robot, size);
 }
 
 }  // namespace raven_correction::plant

@@ -18,6 +18,7 @@ constexpr double kLongestMove = 2.0;    // [s]; slow moves are short ones
 constexpr double kTurnPerMetre = 12.0;  // angular speed over speed of a move [rad/m]
 constexpr double kShortest = 1.5;     // of a trajectory; moves are added until it is that long [s]
 constexpr double kLargestStep = 0.2;  // of a joint from command to command [rad or m]
+constexpr int kJointMoves = 2;        // in a trajectory of joints alone
 constexpr int kStopsPerMove = 12;     // of a session of stops
 constexpr std::array<double, 6> kSpeeds{0.010, 0.020, 0.035, 0.060, 0.090, 0.130};  // [m/s]
 
@@ -244,13 +245,13 @@ Motion planJointMotion(const JointVector& amplitude, bool stops, const MotionOpt
       trajectory.joints.push_back(q);
       clock.tick();
     };
-    for (int k = 0; k < 3; ++k) {  // three moves in a trajectory
+    for (int k = 0; k < kJointMoves; ++k) {
       const JointVector target = randomJoints();
       if (stops) {
         for (int stop = 1; stop <= kStopsPerMove; ++stop)
           put(rest + stop / static_cast<double>(kStopsPerMove) * (target - rest));
       } else {
-        const double pace = std::exp(0.8 * uniform(random));  // shares of the amplitude [1/s]
+        const double pace = std::exp(0.4 + 0.8 * uniform(random));  // shares of the amplitude [1/s]
         const double length = (target - rest).cwiseQuotient(amplitude).cwiseAbs().maxCoeff();
         const Trapezoid profile = Trapezoid::over(length, pace, 6.0);
         const double begin = clock.now();

@@ -48,7 +48,7 @@ struct Motion {
 /// @throws InvalidInput  trajectories or rate not > 0, or a field that the robot cannot reach
 Motion planMotion(const KinematicChain& robot, const MotionOptions& options);
 
-/// The same for joints alone: three moves in each trajectory, poses are the identity.
+/// The same for joints alone: two moves in each trajectory, poses are the identity.
 /// @param amplitude  how far each joint moves to either side of 0
 /// @param stops      a move is a dozen stops, one command each, instead of an even motion
 Motion planJointMotion(const JointVector& amplitude, bool stops, const MotionOptions& options);

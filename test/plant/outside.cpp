@@ -21,13 +21,28 @@ void letRing(double frequency, JointPhysics& joint) {
   joint.load_share = 0.0;
 }
 
+/// The next two joints pull joint `moved`, the more the further both are from their middles.
+ProductCoupling productOf(int moved, double error, const JointVector& span,
+                          const JointVector& middle) {
+  const int n = static_cast<int>(span.size());
+  ProductCoupling product;
+  product.moved = moved;
+  product.a = (moved + 1) % n;
+  product.b = (moved + 2) % n;
+  product.c = 8.0 * error / (span(product.a) * span(product.b));
+  product.middle_a = middle(product.a);
+  product.middle_b = middle(product.b);
+  return product;
+}
+
 }  // namespace
 
 const std::vector<OutsideKind>& outsideKinds() {
   static const std::vector<OutsideKind> kinds{
-      OutsideKind::kBoucWen,      OutsideKind::kPositionFriction, OutsideKind::kResonance,
-      OutsideKind::kThermalCycle, OutsideKind::kQuadraticJoint,   OutsideKind::kBentShaft,
-      OutsideKind::kRollWobble,   OutsideKind::kVolumeDistortion, OutsideKind::kTableSway};
+      OutsideKind::kBoucWen,   OutsideKind::kPositionFriction, OutsideKind::kQuadraticJoint,
+      OutsideKind::kResonance, OutsideKind::kProductCoupling,  OutsideKind::kThermalCycle,
+      OutsideKind::kBentShaft, OutsideKind::kRollWobble,       OutsideKind::kVolumeDistortion,
+      OutsideKind::kTableSway};
   return kinds;
 }
 
@@ -37,12 +52,14 @@ const char* toString(OutsideKind kind) noexcept {
       return "bouc_wen";
     case OutsideKind::kPositionFriction:
       return "position_friction";
-    case OutsideKind::kResonance:
-      return "resonance";
-    case OutsideKind::kThermalCycle:
-      return "thermal_cycle";
     case OutsideKind::kQuadraticJoint:
       return "quadratic_joint";
+    case OutsideKind::kResonance:
+      return "resonance";
+    case OutsideKind::kProductCoupling:
+      return "product_coupling";
+    case OutsideKind::kThermalCycle:
+      return "thermal_cycle";
     case OutsideKind::kBentShaft:
       return "bent_shaft";
     case OutsideKind::kRollWobble:
@@ -55,15 +72,21 @@ const char* toString(OutsideKind kind) noexcept {
   return "table_sway";
 }
 
-bool isJointKind(OutsideKind kind) noexcept {
+bool isNearCatalogue(OutsideKind kind) noexcept {
   return kind == OutsideKind::kBoucWen || kind == OutsideKind::kPositionFriction ||
-         kind == OutsideKind::kResonance || kind == OutsideKind::kQuadraticJoint;
+         kind == OutsideKind::kQuadraticJoint;
 }
 
-void applyOutside(OutsideKind kind, int joint, double amplitude, double span, double middle,
-                  RobotPhysics& physics) {
+bool isJointKind(OutsideKind kind) noexcept {
+  return isNearCatalogue(kind) || kind == OutsideKind::kResonance ||
+         kind == OutsideKind::kProductCoupling;
+}
+
+void applyOutside(OutsideKind kind, int joint, double amplitude, const JointVector& span,
+                  const JointVector& middle, RobotPhysics& physics) {
   JointPhysics& drive = physics.joints[static_cast<std::size_t>(joint)];
-  const double error = 0.02 * amplitude * span;
+  const double travel = span(joint);
+  const double error = 0.02 * amplitude * travel;
   switch (kind) {
     case OutsideKind::kBoucWen:
       drive.hysteresis_width = 4.0 * error;
@@ -72,20 +95,23 @@ void applyOutside(OutsideKind kind, int joint, double amplitude, double span, do
     case OutsideKind::kPositionFriction:
       drive.motor_friction = error * drive.stiffness;
       drive.friction_waviness = 1.0;
-      drive.friction_wave_number = 4.0 * kPi / span;
+      drive.friction_wave_number = 4.0 * kPi / travel;
+      break;
+    case OutsideKind::kQuadraticJoint:
+      drive.curvature = 8.0 * error / (travel * travel);
+      drive.middle = middle(joint);
       break;
     case OutsideKind::kResonance:
       letRing(kRingFrequency / std::sqrt(amplitude), drive);
       break;
+    case OutsideKind::kProductCoupling:
+      physics.product = productOf(joint, error, span, middle);
+      break;
     case OutsideKind::kThermalCycle:
       physics.outside.thermal_amplitude = 1e-3 * amplitude;
       break;
-    case OutsideKind::kQuadraticJoint:
-      drive.curvature = 8.0 * error / (span * span);
-      drive.middle = middle;
-      break;
     case OutsideKind::kBentShaft:
-      physics.outside.shaft_curvature = 0.2 * amplitude;
+      physics.outside.shaft_wave = 1e-3 * amplitude;
       break;
     case OutsideKind::kRollWobble:
       physics.outside.wobble = 1e-3 * amplitude;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kLoadPeriod = 2e-3;  // gravity changes slowly: it is looked at this often [s]
+constexpr double kWobblesPerTurn = 8.0;
 constexpr double kDistortionLength = 0.05;  // [m]
 
 bool isSameAxis(const Joint& row) { return row.alpha == 0.0 && row.a == 0.0; }
@@ -54,7 +55,7 @@ RobotPlant::RobotPlant(const RobotPhysics& physics, const JointVector& joints, d
       session_start_(session_start),
       load_time_(now),
       load_(gravityLoad(physics.chain, joints, 0.0)),
-      coupled_(!physics.coupling.isZero(0.0)) {
+      coupled_(!physics.coupling.isZero(0.0) || physics.product.moved >= 0) {
   for (std::size_t j = 0; j < physics_.joints.size(); ++j)
     drives_.emplace_back(physics_.joints[j], joints(static_cast<Eigen::Index>(j)));
 }
@@ -75,7 +76,12 @@ void RobotPlant::integrate(double duration) {
   }
   for (int k = 0; k < steps; ++k) {
     const JointVector away = joints() - physics_.nominal.home();
-    const JointVector pulled = physics_.coupling * away;
+    JointVector pulled = physics_.coupling * away;
+    const ProductCoupling& product = physics_.product;
+    if (product.moved >= 0)
+      pulled += product.c * (drives_[product.a].joint() - product.middle_a) *
+                (drives_[product.b].joint() - product.middle_b) *
+                JointVector::Unit(n, product.moved);
     for (int j = 0; j < n; ++j) drives_[j].step(h, load_(j), pulled(j), creeping);
   }
 }
@@ -124,30 +130,28 @@ Pose RobotPlant::motorPose() const { return physics_.nominal.forward(motors()); 
 
 Pose RobotPlant::bentForward() const {
   const OutsidePhysics& outside = physics_.outside;
-  if (outside.thermal_amplitude == 0.0 && outside.shaft_curvature == 0.0 && outside.wobble == 0.0)
-    return physics_.chain.forward(joints());
-  const ShaftRows rows = shaftRows(physics_.chain);
   JointVector q = joints();
-  if (rows.insertion >= 0)
-    q += outside.thermal_amplitude *
-         std::sin(kTwoPi * (time_ - session_start_) / outside.thermal_period) *
-         JointVector::Unit(physics_.chain.size(), rows.insertion);
+  if (outside.thermal_amplitude == 0.0 && outside.shaft_wave == 0.0 && outside.wobble == 0.0)
+    return physics_.chain.forward(q);
+  const ShaftRows rows = shaftRows(physics_.chain);
+  if (rows.insertion < 0 || rows.roll < 0) return physics_.chain.forward(q);
+  q += outside.thermal_amplitude *
+       std::sin(kTwoPi * (time_ - session_start_) / outside.thermal_period) *
+       JointVector::Unit(physics_.chain.size(), rows.insertion);
   Pose X = physics_.chain.forward(q);
-  if (rows.insertion < 1 || rows.roll < 1) return X;
   LinkPoses X_base_link;
   physics_.chain.linkPoses(q, X_base_link);
-  const auto link = [&](int row) { return X_base_link[static_cast<std::size_t>(row)]; };
-  const Pose shaft = link(std::max(rows.insertion, rows.roll));
-  const Pose before = link(std::min(rows.insertion, rows.roll) - 1);
-  const double depth = (shaft.p - before.p).norm();
-  const double slope = outside.shaft_curvature * depth;
-  const Pose bend{Eigen::Vector3d(0.5 * slope * depth, 0.0, 0.0),
-                  expRotation(Eigen::Vector3d(0.0, slope, 0.0))};
-  X = shaft * bend * shaft.inverse() * X;
-  const double turn = 2.0 * q(rows.roll);
-  X.p += shaft.q *
-         (expRotation(Eigen::Vector3d(0.0, 0.0, -q(rows.roll))) *
-          Eigen::Vector3d(outside.wobble * std::cos(turn), outside.wobble * std::sin(turn), 0.0));
+  const Eigen::Quaterniond& R_base_shaft =
+      X_base_link[static_cast<std::size_t>(std::max(rows.insertion, rows.roll))].q;
+  const double roll =
+      physics_.chain.joints()[static_cast<std::size_t>(rows.roll)].sign * q(rows.roll);
+  const double wave =
+      outside.shaft_wave * std::sin(kTwoPi * q(rows.insertion) / outside.shaft_wave_length);
+  const double turn = kWobblesPerTurn * roll;
+  const Eigen::Vector3d with_roll = wave * Eigen::Vector3d(0.6, 0.8, 0.0);
+  const Eigen::Vector3d wobble =
+      outside.wobble * Eigen::Vector3d(std::cos(turn), std::sin(turn), 0.0);
+  X.p += R_base_shaft * (with_roll + expRotation(Eigen::Vector3d(0.0, 0.0, -roll)) * wobble);
   return X;
 }
 

@@ -17,11 +17,22 @@ namespace raven_correction::plant {
 struct OutsidePhysics {
   double thermal_amplitude = 0.0;  ///< of the shaft's length [m]
   double thermal_period = 30.0;    ///< [s]
-  double shaft_curvature = 0.0;  ///< bend of the insertion shaft, fixed to the rolling shaft [1/m]
-  double wobble = 0.0;           ///< lateral, twice per turn of the roll [m]
-  double distortion = 0.0;       ///< of the mocap volume, at 5 cm from its middle [m]
-  double sway = 0.0;             ///< of the table [m]
-  double sway_frequency = 1.3;   ///< [Hz]
+  double shaft_wave = 0.0;  ///< lateral, in waves along the insertion, turns with the roll [m]
+  double shaft_wave_length = 0.04;  ///< [m]
+  double wobble = 0.0;              ///< lateral, eight times per turn of the roll [m]
+  double distortion = 0.0;          ///< of the mocap volume, 5 cm from its middle [m]
+  double sway = 0.0;                ///< of the table [m]
+  double sway_frequency = 1.3;      ///< [Hz]
+};
+
+/// Cable `moved` is pulled by c (q_a - middle_a) (q_b - middle_b).
+struct ProductCoupling {
+  int moved = -1;  ///< -1 for none
+  int a = 0;
+  int b = 0;
+  double c = 0.0;
+  double middle_a = 0.0;
+  double middle_b = 0.0;
 };
 
 struct RobotPhysics {
@@ -38,6 +49,7 @@ struct RobotPhysics {
   double mocap_scale = 0.0;  ///< positions are (1 + this) times as large [-]
   Eigen::Vector3d volume_middle = Eigen::Vector3d::Zero();  ///< of the motions, in `base` [m]
   OutsidePhysics outside;
+  ProductCoupling product;
 };
 
 /// The clean robot of a chain.

@@ -16,7 +16,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kNoiseMm = 0.1;
 constexpr double kNoiseDeg = 0.3;
 constexpr double kOrientationPerNoise = 52.36;  // 0.3 deg where positions have 0.1 mm [rad/m]
-constexpr int kShortSession = 8;                // trajectories that are enough to find a size
+constexpr int kMostDraws = 20;                  // until a joint shows an effect of this size
+constexpr int kShortSession = 16;               // trajectories that are enough to find a size
 
 /// What a session consists of before anything is hidden.
 struct Scene {
@@ -177,8 +178,8 @@ PlantSession recordOutside(const PlantOptions& options, OutsideKind kind, double
   const Recording clean = run(scene, scene.clean(), options);
   const auto runAt = [&](double amplitude) {
     RobotPhysics physics = scene.clean();
-    applyOutside(kind, joint, amplitude, scene.motion.joint_span(joint),
-                 scene.motion.joint_middle(joint), physics);
+    applyOutside(kind, joint, amplitude, scene.motion.joint_span, scene.motion.joint_middle,
+                 physics);
     return run(scene, physics, options);
   };
   // By the ratio of sizes: all kinds grow about in proportion.
@@ -213,7 +214,7 @@ HiddenEffect scaledTo(const PlantOptions& options, const HiddenEffect& hidden, d
   const auto measure = [&](const HiddenEffect& effect) {
     return multiplesOfNoise(difference(clean, run(scene, scene.with({effect}), trial)));
   };
-  HiddenEffect result = scaledBy(measure, hidden, size);
+  HiddenEffect result = scaledBy(measure, hidden, scene.robot, size);
   const ToolSize reached = difference(clean, run(scene, scene.with({result}), trial));
   result.size_mm = reached.mm;
   result.size_deg = reached.deg;
@@ -222,10 +223,16 @@ HiddenEffect scaledTo(const PlantOptions& options, const HiddenEffect& hidden, d
 
 HiddenEffect drawHidden(const PlantOptions& options, const std::string& effect, std::uint64_t seed,
                         double smallest, double largest) {
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random = randomFor(effect, seed);
   const Scene scene(options);
-  const HiddenEffect shape = drawShape(effect, scene.robot, scene.motion, random);
-  return scaledTo(options, shape, logUniform(random, smallest, largest));
+  HiddenEffect hidden;
+  for (int attempt = 0; attempt < kMostDraws; ++attempt) {
+    const HiddenEffect shape = drawShape(effect, scene.robot, scene.motion, random);
+    hidden = scaledTo(options, shape, logUniform(random, smallest, largest));
+    if (multiplesOfNoise({hidden.size_mm, hidden.size_deg}) >= 0.9 * smallest) return hidden;
+  }
+  throw InvalidInput(format("no plausible %s is %g times the noise large: the last was %s",
+                            effect.c_str(), smallest, describe(hidden).c_str()));
 }
 
 HiddenEffect drawHidden(const PlantOptions& options, std::uint64_t seed, double smallest,

@@ -64,12 +64,15 @@ ToolSize sizeOf(const PlantOptions& options, const std::vector<HiddenEffect>& hi
 /// for the default noise.
 double multiplesOfNoise(const ToolSize& size);
 
-/// The same cause at this size in multiples of the noise, within 10 % where it can be that large;
-/// found on a short session, so the size in a long one differs a little.
+/// The same cause at this size in multiples of the noise, within 10 %, or as large as is plausible
+/// (see plausible() of hidden_effect.h); found on a short session, so the size in a long one
+/// differs a little.
 HiddenEffect scaledTo(const PlantOptions& options, const HiddenEffect& hidden, double size);
 
-/// Effect, joint, sign and size from a seed; the size is drawn evenly in its logarithm.
+/// Effect, joint, sign and size from a seed; the size is drawn evenly in its logarithm. Joints on
+/// which no plausible effect is that large are not drawn.
 /// @param smallest, largest  in multiples of the noise
+/// @throws InvalidInput  an unknown effect, or no joint shows one of that size
 HiddenEffect drawHidden(const PlantOptions& options, std::uint64_t seed, double smallest,
                         double largest);
 /// The same for a given effect.
