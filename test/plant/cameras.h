@@ -13,7 +13,7 @@ struct CameraOptions {
   double noise = 1e-4;                ///< of positions, standard deviation per axis [m]
   double orientation_noise = 5.2e-3;  ///< of rotation vectors, per axis [rad]: 0.3 deg
   // dirt
-  double stamp_jitter = 2e-4;        ///< standard deviation of a stamp's error [s]
+  double stamp_jitter = 1e-4;        ///< standard deviation of a stamp's error [s]
   double repeat_probability = 0.09;  ///< a frame is the one before again, with its stamp [-]
   double gap_rate = 0.4;             ///< how often nothing is seen [1/s]
   double gap_time = 0.1;             ///< for how long, mean [s]

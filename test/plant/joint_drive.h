@@ -60,7 +60,7 @@ struct JointPhysics {
   double load_share = 1.0;      ///< of gravity that is not counterbalanced, 0..1 [-]
 };
 
-/// Physics without any hidden effect: a residual lag (k_d + b) / k_p of 0.25 ms, and stretch and
+/// Physics without any hidden effect: a residual lag (k_d + b) / k_p of 12 us, and stretch and
 /// friction far below 0.05 mm at the tool of a Raven.
 JointPhysics cleanJoint(bool revolute, double home) noexcept;
 

@@ -98,30 +98,35 @@ double largestError(const std::vector<Sample>& samples, int joint, const Expecte
 // ------------------------------------------------------------------------------
 
 TEST(Plant, CleanIsTheIdealRobot) {
-  const PlantSession session = recordClean(quiet(10));
+  const PlantSession session = recordClean(quiet(20));
   std::size_t count = 0;
-  for (const Sample& sample : samplesOf(session)) {
+  double squared = 0.0;
+  const std::vector<Sample> samples = samplesOf(session);
+  for (const Sample& sample : samples) {
+    squared += (sample.observed.p - sample.command.p).squaredNorm();
     if (sample.held < kSettled) continue;
     EXPECT_LT((sample.observed.p - sample.command.p).norm(), 1e-5);
     EXPECT_LT(rotationAngle(sample.observed.q, sample.command.q), 0.01 * kDegree);
     ++count;
   }
   EXPECT_GT(count, 1000u);
+  // All of them, also those that catch the tool on its way to a new set-point.
+  EXPECT_LT(std::sqrt(squared / static_cast<double>(samples.size())), 4e-5);
 }
 
-TEST(Plant, CleanLagsLessThanHalfAMillisecond) {
+TEST(Plant, CleanLagsSomeMicroseconds) {
   for (const bool revolute : {true, false}) {
     JointDrive drive(cleanJoint(revolute, 0.0), 0.0);
-    const double h = RobotPlant::kStep;
+    const double h = RobotPlant::kFirstStep;
     double r = 0.0;
-    for (int k = 0; k < 1000; ++k) {
+    for (int k = 0; k < 10000; ++k) {
       r += 0.5 * h;  // a ramp of 0.5 rad/s
       drive.setSetpoint(r);
       drive.step(h, 1.5, 0.0, true);
     }
     const double lag = (r - drive.joint()) / 0.5;
     EXPECT_GT(lag, 0.0);
-    EXPECT_LT(lag, 5e-4);
+    EXPECT_LT(lag, 6e-5);
   }
 }
 
@@ -299,25 +304,20 @@ TEST(PlantEffects, TransmissionErrorsAreThoseOfTheCatalogue) {
   EXPECT_LT(largestError(coupled, 1, [](const Sample& s) { return s.setpoint(1); }), 5e-5);
 }
 
-/// Largest difference between the joint and a play of width w behind the settled motor [share of
-/// w].
+/// Largest difference between the joint and a play of width w behind its set-points, at settled
+/// exposures [share of w]. Every set-point has an exposure, so the play misses none.
 double playError(const std::vector<Sample>& samples, int joint, double w) {
-  // The state is unknown at first: it is taken from the plant at the first sample.
-  double q = samples.front().joint(joint);
+  double q = samples.front().joint(joint);  // where in the play it starts, nobody tells
   double largest = 0.0;
   double furthest = 0.0;
   for (const Sample& sample : samples) {
     const double u = sample.setpoint(joint);
     q = std::min(u + 0.5 * w, std::max(u - 0.5 * w, q));
-    furthest = std::max(furthest, std::abs(sample.joint(joint) - u));
-    if (sample.held < kSettled) {
-      q = sample.joint(joint);  // in motion
-      continue;
-    }
+    if (sample.held < kSettled) continue;
     largest = std::max(largest, std::abs(sample.joint(joint) - q));
+    furthest = std::max(furthest, std::abs(sample.joint(joint) - u));
   }
-  EXPECT_GT(furthest, 0.48 * w);
-  EXPECT_LT(furthest, 0.52 * w);
+  EXPECT_NEAR(furthest, 0.5 * w, 0.02 * w);
   return largest / w;
 }
 
@@ -436,7 +436,7 @@ TEST(PlantEncoders, SeeTheDriveAndNotTheCable) {
 // --------------------------------------------------------------------------------------
 
 TEST(PlantDraw, ReachesTheSizeThatWasAskedFor) {
-  const PlantOptions options = quiet(12);
+  const PlantOptions options = quiet(6);
   for (const std::string& effect : hiddenEffects()) {
     const HiddenEffect hidden = drawHidden(options, effect, 11, 8.0, 8.0001);
     const PlantSession session = recordHidden(options, {hidden});

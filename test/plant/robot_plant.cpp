@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kLoadPeriod = 2e-3;  // gravity changes slowly: it is looked at this often [s]
+constexpr double kStepGrowth = 0.3;   // of a step with the time since the set-point changed
 constexpr double kWobblesPerTurn = 8.0;
 constexpr double kDistortionLength = 0.05;  // [m]
 
@@ -53,6 +54,7 @@ RobotPlant::RobotPlant(const RobotPhysics& physics, const JointVector& joints, d
     : physics_(physics),
       time_(now),
       session_start_(session_start),
+      changed_(now),
       load_time_(now),
       load_(gravityLoad(physics.chain, joints, 0.0)),
       coupled_(!physics.coupling.isZero(0.0) || physics.product.moved >= 0) {
@@ -64,17 +66,21 @@ void RobotPlant::command(double stamp, const JointVector& joints) {
   queue_.push_back({stamp + physics_.delay, joints});
 }
 
-void RobotPlant::integrate(double duration) {
+void RobotPlant::integrate(double end) {
   const int n = static_cast<int>(drives_.size());
-  const int steps = std::max(1, static_cast<int>(std::ceil(duration / kStep - 1e-9)));
-  const double h = duration / steps;
   const bool creeping = time_ >= session_start_;
+  steps_.clear();
+  for (double t = time_; t < end;) {
+    const double h = std::min(kStep, kFirstStep + kStepGrowth * (t - changed_));
+    steps_.push_back(end - t < 1.5 * h ? end - t : h);
+    t = end - t < 1.5 * h ? end : t + h;
+  }
   if (!coupled_) {
     for (int j = 0; j < n; ++j)
-      for (int k = 0; k < steps; ++k) drives_[j].step(h, load_(j), 0.0, creeping);
+      for (const double h : steps_) drives_[j].step(h, load_(j), 0.0, creeping);
     return;
   }
-  for (int k = 0; k < steps; ++k) {
+  for (const double h : steps_) {
     const JointVector away = joints() - physics_.nominal.home();
     JointVector pulled = physics_.coupling * away;
     const ProductCoupling& product = physics_.product;
@@ -92,6 +98,7 @@ void RobotPlant::advanceTo(double time) {
       for (std::size_t j = 0; j < drives_.size(); ++j)
         drives_[j].setSetpoint(queue_.front().joints(static_cast<Eigen::Index>(j)));
       queue_.pop_front();
+      changed_ = time_;
     }
     if (time_ >= load_time_ + kLoadPeriod) {
       load_ = gravityLoad(physics_.chain, joints(), 0.0);
@@ -100,7 +107,7 @@ void RobotPlant::advanceTo(double time) {
     double end = std::min(time, time_ + kLoadPeriod);
     if (!queue_.empty()) end = std::min(end, queue_.front().stamp);
     if (time_ < session_start_) end = std::min(end, session_start_);
-    integrate(end - time_);
+    integrate(end);
     time_ = end;
   }
 }

@@ -57,7 +57,8 @@ RobotPhysics cleanRobot(const KinematicChain& nominal);
 
 class RobotPlant {
  public:
-  static constexpr double kStep = 1e-4;  ///< longest step of integration [s]
+  static constexpr double kStep = 1e-4;       ///< longest step of integration [s]
+  static constexpr double kFirstStep = 4e-6;  ///< the one after a set-point changed [s]
 
   /// At rest at these joints.
   /// @param now            [s]
@@ -82,7 +83,7 @@ class RobotPlant {
     double stamp;
     JointVector joints;
   };
-  void integrate(double duration);
+  void integrate(double end);
   Pose bentForward() const;
 
   RobotPhysics physics_;
@@ -90,9 +91,11 @@ class RobotPlant {
   std::deque<Queued> queue_;
   double time_;
   double session_start_;
+  double changed_;  // when a set-point changed last
   double load_time_;
   JointVector load_;
   bool coupled_;
+  std::vector<double> steps_;  // of the present interval [s]
 };
 
 }  // namespace raven_correction::plant
