@@ -206,8 +206,10 @@ ToolSize sizeOf(const PlantOptions& options, const std::vector<HiddenEffect>& hi
 }
 
 HiddenEffect scaledTo(const PlantOptions& options, const HiddenEffect& hidden, double size) {
-  const bool takes_whole_session =
-      hidden.effect == "creep" || hidden.effect == "registration_shift";
+  // A bump or a creep needs the time, a speed limit the fastest moves of the session.
+  const bool takes_whole_session = hidden.effect == "creep" ||
+                                   hidden.effect == "registration_shift" ||
+                                   hidden.effect == "speed_limit";
   const PlantOptions trial = takes_whole_session ? options : shortened(options);
   const Scene scene(trial);
   const Recording clean = run(scene, scene.clean(), trial);
