@@ -2,6 +2,7 @@
 # One program per bench/NAME.cpp, built by `./run bench NAME` only: target raven_correction_bench_NAME,
 # file bench/NAME in the build folder. Google Benchmark is linked where it is installed.
 find_package(benchmark QUIET)
+include(cmake/test_plant.cmake)
 file(GLOB bench_sources CONFIGURE_DEPENDS bench/*.cpp)
 foreach(source ${bench_sources})
   get_filename_component(name ${source} NAME_WE)
@@ -11,4 +12,7 @@ foreach(source ${bench_sources})
     OUTPUT_NAME ${name} RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/bench)
   target_link_libraries(${target} ${own_libraries} CLI11::CLI11 nlohmann_json::nlohmann_json
     OpenMP::OpenMP_CXX $<TARGET_NAME_IF_EXISTS:benchmark::benchmark>)
+  if(name STREQUAL "diagnosis")
+    target_link_libraries(${target} ${PROJECT_NAME}_test_plant)
+  endif()
 endforeach()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# All tests as catkin tests: one gtest executable per room (test/ROOM/*.cpp), one rostest per
+# All tests as catkin tests: one gtest executable per room (test/ROOM/*.cpp), one of the plant that
+# hides effects for the diagnosis (test/plant/*_test.cpp), one rostest per
 # test/nodes/*.test with the gtest of the same name beside it, every launch file, the lint and the
 # package tests (install space, workspace). `catkin_make run_tests` or `./run test` runs them.
 
@@ -16,13 +17,23 @@ set(CATKIN_ENV ${test_environment} timeout 900)
 # --- rooms --------------------------------------------------------------------------------------
 # As catkin_add_gtest(), which however insists on running a file with the name of the target.
 find_package(GTest QUIET)
-foreach(room ${core_rooms} ros)
+include(cmake/test_plant.cmake)
+foreach(room ${core_rooms} plant ros)
   file(GLOB room_tests CONFIGURE_DEPENDS test/${room}/*.cpp)
+  if(room STREQUAL "plant")
+    list(FILTER room_tests INCLUDE REGEX "_test\\.cpp$")
+  endif()
   if(room_tests AND NOT TARGET GTest::gtest_main)
     message(WARNING "GoogleTest is missing, the tests of ${room} are left out: ./run test installs it")
   elseif(room_tests)
     set(target ${PROJECT_NAME}_test_${room})
     set(library ${PROJECT_NAME}_core)
+    if(room STREQUAL "plant")
+      set(target ${PROJECT_NAME}_test_of_plant)  # raven_correction_test_plant is the plant itself
+    endif()
+    if(room MATCHES "^(plant|diagnosis)$")
+      list(APPEND library ${PROJECT_NAME}_test_plant)
+    endif()
     if(room STREQUAL "ros")
       set(library ${PROJECT_NAME}_ros)
     endif()

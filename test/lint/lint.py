@@ -20,6 +20,7 @@ from project import Finding, Project, Skipped
 
 CHECKS = {
     "rooms": rooms.check_rooms,
+    "independent": rooms.check_independent,
     "core": rooms.check_core_without_ros,
     "licence": texts.check_licence,
     "opening": texts.check_opening,

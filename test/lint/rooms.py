@@ -45,6 +45,19 @@ def check_rooms(project):
             yield from check_include(project, table, name, line, header, room, allowed)
 
 
+def check_independent(project):
+    """Test support that has to be independent of the rooms it checks includes none of them (rooms.yaml)."""
+    table = load_table(project)
+    for folder, entry in table["independent"].items():
+        uses = set(entry["uses"]).union(*(table["rooms"][used]["all"] for used in entry["uses"]))
+        allowed = {"all": uses, "libraries": entry["libraries"]}
+        for name in project.matching(re.escape(folder) + r"/.*(?<!_test)\.(h|cpp)"):
+            for line, _, header in project.includes(name):
+                if header.startswith(Path(folder).name + "/"):
+                    continue
+                yield from check_include(project, table, name, line, header, folder, allowed)
+
+
 def check_include(project, table, name, line, header, room, allowed):
     who = f"room {room}" if room else "a header of all rooms"
     library = next((library for library, pattern in table["libraries"].items()

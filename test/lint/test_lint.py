@@ -69,6 +69,18 @@ class Lint(unittest.TestCase):
         self.write("src/regression/gp.cpp", SPDX + "#include <yaml-cpp/yaml.h>\n")
         self.assert_red(rooms.check_rooms, "src/regression/gp.cpp:2", "may not use yaml-cpp")
 
+    def test_independent_plant(self):
+        self.write("include/raven_correction/simulation/play.h", HEADER)
+        self.write("include/raven_correction/robot/chain.h", HEADER)
+        self.write("test/plant/joint.h", HEADER)
+        play = SPDX + '#include "raven_correction/simulation/play.h"\n'
+        self.write("test/plant/joint.cpp", SPDX + '#include "plant/joint.h"\n#include <cmath>\n'
+                   '#include "raven_correction/robot/chain.h"\n')
+        self.write("test/plant/joint_test.cpp", play)
+        self.assert_green(rooms.check_independent)
+        self.write("test/plant/joint.cpp", play)
+        self.assert_red(rooms.check_independent, "test/plant/joint.cpp:2", "may not use room simulation")
+
     def test_rooms_core_without_ros(self):
         for header in ("ros/ros.h", "geometry_msgs/Pose.h", "tf2_ros/buffer.h", "rosbag/bag.h",
                        "raven_correction/Pair.h"):
