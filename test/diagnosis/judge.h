@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Compares a verdict with what the plant hid: was the cause named, how large is it said to be, and
+// is the gain what the truth would give? For the tests and for the benchmark.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "plant/hidden_effect.h"
+#include "raven_correction/diagnosis/diagnose.h"
+
+namespace raven_correction {
+
+inline bool isCause(const Hypothesis& hypothesis, const plant::HiddenEffect& truth,
+                    const KinematicChain& robot) {
+  if (hypothesis.effect != truth.effect || hypothesis.joints != truth.joints) return false;
+  if (truth.effect != "link_geometry") return true;
+  // An angle or one of two lengths of the same row: the symbol counts, too.
+  SimulationConfig nominal;
+  nominal.robot = robot;
+  const std::string symbol = parameterOf(nominal, hypothesis.parameters.front()).symbol;
+  return truth.parameters.count(symbol) && truth.parameters.at(symbol) != 0.0;
+}
+
+struct Judgement {
+  bool named = false;       ///< as a cause, or among those that cannot be told from one
+  bool first = false;       ///< as the largest cause itself, not as its equal
+  bool size_known = false;  ///< the cause itself was named, so its parameters can be compared
+  bool size_right = false;  ///< every amplitude within 15 % or two standard deviations
+};
+
+/// The amplitudes of a truth that has several (a pose) are compared as a whole: their difference
+/// within 15 % of their size, or each within two deviations.
+inline Judgement judge(const Verdict& verdict, const plant::HiddenEffect& truth) {
+  Judgement judgement;
+  const KinematicChain& robot = verdict.simulation.robot;
+  for (std::size_t i = 0; i < verdict.causes.size(); ++i) {
+    const Cause& cause = verdict.causes[i];
+    const bool itself = isCause(cause.hypothesis, truth, robot);
+    judgement.named |= itself || std::any_of(cause.equals.begin(), cause.equals.end(),
+                                             [&](const Hypothesis& equal) {
+                                               return isCause(equal, truth, robot);
+                                             });
+    if (!itself) continue;
+    judgement.first |= i == 0;
+    judgement.size_known = true;
+    bool within_deviations = true;
+    double difference = 0.0, size = 0.0;
+    for (std::size_t k = 0; k < cause.hypothesis.amplitudes(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      const std::string symbol =
+          parameterOf(verdict.simulation, cause.hypothesis.parameters[k]).symbol;
+      const auto found = truth.parameters.find(symbol);
+      const double is = found == truth.parameters.end() ? 0.0 : found->second;
+      // Metres count as at an arm's length of 50 mm, where poses mix them with radians.
+      const bool length =
+          cause.hypothesis.amplitudes() > 1 && (symbol == "x" || symbol == "y" || symbol == "z");
+      const double scale = length ? 20.0 : 1.0;
+      difference += std::pow(scale * (cause.values(at) - is), 2);
+      size += std::pow(scale * is, 2);
+      within_deviations &= std::abs(cause.values(at) - is) <= 2.0 * cause.deviations(at);
+    }
+    judgement.size_right |= within_deviations || std::sqrt(difference) <= 0.15 * std::sqrt(size);
+  }
+  return judgement;
+}
+
+/// The simulation with the truth in it.
+inline SimulationConfig withTruth(const SimulationConfig& simulation,
+                                  const std::vector<plant::HiddenEffect>& truth) {
+  SimulationConfig result = simulation;
+  for (const plant::HiddenEffect& hidden : truth) {
+    SimulationConfig probe;
+    probe.robot = simulation.robot;
+    for (int index = 0;; ++index) {
+      EffectParameter parameter;
+      try {
+        parameter = parameterOf(probe, {hidden.effect, index});
+      } catch (const std::exception&) {
+        break;
+      }
+      const auto found = hidden.parameters.find(parameter.symbol);
+      const bool mine = hidden.joints.empty() ||
+                        (parameter.joint == hidden.joints[0] &&
+                         (hidden.joints.size() < 2 || parameter.source == hidden.joints[1]));
+      if (found == hidden.parameters.end() || !mine) continue;
+      result =
+          withValues(result, {{hidden.effect, index}}, Eigen::VectorXd::Constant(1, found->second));
+    }
+  }
+  return result;
+}
+
+/// 1 - RMS after / RMS before of the positions, or where the truth turns rather than moves the
+/// tool, of the orientations: what the true parameters gain, and what the verdict's gain.
+struct TrueGain {
+  double truth = 0.0, verdict = 0.0;
+};
+inline TrueGain compareGains(const Verdict& verdict, const Dataset& dataset,
+                             const SimulationConfig& nominal,
+                             const std::vector<plant::HiddenEffect>& truth,
+                             const RecordingOptions& options) {
+  const Recording recording = makeRecording(dataset, nominal.robot, options);
+  const ResidualLayout layout = residualLayout(recording);
+  const ErrorSizes before = errorSizes(layout, residuals(recording, layout, nominal));
+  const ErrorSizes with =
+      errorSizes(layout, residuals(recording, layout, withTruth(nominal, truth)));
+  const ErrorSizes found = errorSizes(layout, residuals(recording, layout, verdict.simulation));
+  double mm = 0.0, deg = 0.0;
+  for (const plant::HiddenEffect& hidden : truth) {
+    mm += hidden.size_mm;
+    deg += hidden.size_deg;
+  }
+  // Medians: a few percent of the orientations are wrong by tens of degrees whatever is done.
+  if (mm / 0.1 >= deg / 0.3)
+    return {1.0 - with.position_median / before.position_median,
+            1.0 - found.position_median / before.position_median};
+  return {1.0 - with.orientation_median / before.orientation_median,
+          1.0 - found.orientation_median / before.orientation_median};
+}
+
+}  // namespace raven_correction
