@@ -212,6 +212,7 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
     const std::string name = prefix + format("%03u", i);
     const double start = now();
     announce(name, trajectory, start);
+    last_stamp = start;  // it may be stopped before its first command
     const bool completed = play(trajectory.commands, start, last_stamp);
     endOf(name, trajectory, last_stamp, completed);
     if (completed) ++outcome.completed;

@@ -104,8 +104,25 @@ template <typename Message>
 void Recorder::record(Stream stream, const ros::Time& time,
                       const boost::shared_ptr<const Message>& message) {
   if (!recording_) return;
-  ++streams_[stream].received;
-  writer_->push(makeBagRecord(streams_[stream].topic, time, message));
+  StreamState& state = streams_[stream];
+  ++state.received;
+  // Events name instants, and may be told in any order.
+  const ros::Time& stamp = message->header.stamp;
+  const double back = stream == kEvents ? 0.0 : state.order.add(stamp);
+  if (back > 0.0) return leaveOut(state.topic, stamp, back);
+  writer_->push(makeBagRecord(state.topic, time, message));
+}
+
+void Recorder::leaveOut(const std::string& topic, const ros::Time& stamp, double back) {
+  ++out_of_order_;
+  if (!order_message_.empty()) return;
+  order_message_ = format(
+      "%s: the stamp %.6f lies %.6f s before that of the message before it; such messages are left "
+      "out of the bag: a clock was set back, a bag is played in a loop, or two nodes publish "
+      "there; "
+      "~stop and ~start begin a bag that takes them",
+      topic.c_str(), stamp.toSec(), back);
+  ROS_WARN("recorder: %s", order_message_.c_str());
 }
 
 geometry_msgs::PoseStampedConstPtr Recorder::withBaseFrame(
@@ -185,7 +202,7 @@ void Recorder::publishPairs(const std::vector<LivePair>& pairs) {
     message->command = poseToMsg(pair.command);
     message->observation = poseToMsg(pair.observation);
     pairs_publisher_.publish(message);
-    if (!recording_) continue;
+    if (!recording_ || pair_order_.add(message->header.stamp) > 0.0) continue;
     ++pairs_;
     writer_->push(makeBagRecord<Pair>(topics::kPairs, ros::Time::now(), message));
   }
@@ -257,8 +274,14 @@ std::string Recorder::start(const std::string& name) {
   started_ = ros::SteadyTime::now();
   completed_trajectories_ = 0;
   pairs_ = 0;
+  pair_order_ = {};
+  out_of_order_ = 0;
+  order_message_.clear();
   clock_message_.clear();
-  for (StreamState& stream : streams_) stream.received = 0;
+  for (StreamState& stream : streams_) {
+    stream.received = 0;
+    stream.order = {};
+  }
   const ros::Time now = ros::Time::now();
   recordParameters(now);
   recordStaticTransforms(now);
@@ -315,6 +338,10 @@ bool Recorder::onStop(StopRecording::Request&, StopRecording::Response& response
         "; %lu messages were dropped because the disk was too slow: see "
         "~queue_size",
         static_cast<unsigned long>(end.dropped));
+  if (out_of_order_ > 0)
+    response.message +=
+        format("; %lu messages were left out because their stamps went back, first on %s",
+               static_cast<unsigned long>(out_of_order_), order_message_.c_str());
   response.bags = end.parts;
   response.trajectories = completed_trajectories_;
   response.pairs = pairs_;
@@ -347,10 +374,11 @@ RecorderStatus Recorder::status() const {
     status.free_bytes = progress.free_bytes;
     status.dropped = progress.dropped;
   }
-  for (const std::string& remark : {unregistered_message_, clock_message_})
+  for (const std::string& remark : {unregistered_message_, clock_message_, order_message_})
     if (!remark.empty()) status.message += "; " + remark;
   status.trajectories = completed_trajectories_;
   status.pairs = pairs_;
+  status.out_of_order = out_of_order_;
   for (const StreamState& stream : streams_) {
     status.topics.push_back(stream.subscriber.getTopic());
     status.messages.push_back(stream.received);
@@ -382,6 +410,7 @@ void Recorder::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report) {
   report.summary(DiagnosticStatus::OK, running ? "recording" : "idle");
   if (now.state > RecorderStatus::RECORDING) report.summary(DiagnosticStatus::ERROR, now.message);
   if (now.dropped > 0) report.mergeSummary(DiagnosticStatus::WARN, "messages dropped");
+  if (now.out_of_order > 0) report.mergeSummary(DiagnosticStatus::WARN, "stamps go back");
   if (!unregistered_message_.empty())
     report.mergeSummary(DiagnosticStatus::WARN, unregistered_message_);
   if (streams_[kCommand].subscriber.getNumPublishers() > 1)
@@ -402,6 +431,7 @@ void Recorder::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report) {
   report.add("bag", now.bag);
   report.add("pairs", now.pairs);
   report.add("dropped", now.dropped);
+  report.add("out of order", now.out_of_order);
   report.addf("free [MB]", "%.0f", static_cast<double>(now.free_bytes) / kMegabyte);
 }
 

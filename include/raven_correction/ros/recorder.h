@@ -21,6 +21,7 @@
 #include "raven_correction/ros/live_synchroniser.h"
 #include "raven_correction/ros/registration.h"
 #include "raven_correction/ros/session_writer.h"
+#include "raven_correction/ros/stamp_order.h"
 #include "raven_correction/ros/trajectory_windows.h"
 
 namespace raven_correction {
@@ -66,6 +67,7 @@ class Recorder {
     std::string topic;  // relative: its name in the bag
     ros::Subscriber subscriber;
     std::uint64_t received = 0;      // since the start of the recording
+    StampOrder order;                // of what was recorded since then
     std::uint64_t at_last_look = 0;  // of `heard`, for the rate in diagnostics
     std::uint64_t heard = 0;         // since the node started
     ros::SteadyTime last;            // when the latest arrived; zero: none yet
@@ -89,6 +91,7 @@ class Recorder {
   ros::Time note(Stream stream);
   template <typename Message>
   void record(Stream stream, const ros::Time& time, const boost::shared_ptr<const Message>& m);
+  void leaveOut(const std::string& topic, const ros::Time& stamp, double back);
   void recordStaticTransforms(const ros::Time& time);
   void recordParameters(const ros::Time& time);
   geometry_msgs::PoseStampedConstPtr withBaseFrame(const geometry_msgs::PoseStampedConstPtr& m);
@@ -112,7 +115,10 @@ class Recorder {
   double duration_ = 0.0;  // of the last recording [s]
   std::uint32_t completed_trajectories_ = 0;
   std::uint64_t pairs_ = 0;
-  std::uint64_t free_bytes_ = 0;  // before the first recording [byte]
+  StampOrder pair_order_;
+  std::uint64_t out_of_order_ = 0;  // left out of the bag
+  std::string order_message_;       // of the first that was left out; empty: none
+  std::uint64_t free_bytes_ = 0;    // before the first recording [byte]
 
   std::array<StreamState, kStreamCount> streams_;
   ros::Time last_time_;
