@@ -10,6 +10,7 @@
 #include "raven_correction/Pair.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/pose_subscription.h"
 #include "raven_correction/ros/topics.h"
 
@@ -266,7 +267,7 @@ std::string Recorder::start(const std::string& name) {
   options.split_duration = params_.split_duration;
   options.min_free_bytes = static_cast<std::uint64_t>(params_.min_free_mb * kMegabyte);
   options.queue_size = static_cast<std::size_t>(params_.queue_size);
-  const fs::path path = fs::path(params_.directory) / (name.empty() ? newName() : name);
+  const fs::path path = fs::path(params_.directory) / (name.empty() ? newName() : expandHome(name));
   auto writer = std::make_unique<SessionWriter>(path.lexically_normal().string(), options);
   if (writer_) writer_->close();  // of a recording that ended by itself
   writer_ = std::move(writer);

@@ -19,6 +19,7 @@
 #include "raven_correction/dataset/dataset_directory.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/stamp_order.h"
 #include "raven_correction/ros/topics.h"
 
@@ -29,10 +30,6 @@ namespace fs = std::filesystem;
 
 constexpr double kAfterEnd = 0.5;  ///< observations come later than commands [s]
 constexpr double kPause = 1.0;     ///< without events, a silence that ends a trajectory [s]
-
-std::string withoutSlash(const std::string& name) {
-  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
-}
 
 /// Streams of a whole session, each by increasing stamp.
 struct RawStreams {

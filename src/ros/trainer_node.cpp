@@ -2,13 +2,13 @@
 #include "raven_correction/ros/trainer_node.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <thread>
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 #include "raven_correction/ros/topics.h"
@@ -19,12 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = 180.0 / 3.14159265358979323846;
-
-std::string expandHome(const std::string& path) {
-  const char* const home = std::getenv("HOME");
-  if (path.empty() || path.front() != '~' || home == nullptr) return path;
-  return home + path.substr(1);
-}
 
 template <typename Array>
 void copyComponents(const ErrorSummary& summary, Array& position, Array& angle) {

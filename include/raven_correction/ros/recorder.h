@@ -49,9 +49,6 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh);
 /// The same as YAML text, with the version of the package: what stands in every bag.
 std::string recorderParametersYaml(const RecorderParams& params);
 
-/// "~", "~/x" and "$HOME/x" to an absolute path. Without HOME: relative to the working directory.
-std::string expandHome(const std::string& path);
-
 /// All callbacks run in the one thread that spins; the disk has a thread of its own.
 class Recorder {
  public:
