@@ -18,6 +18,7 @@
 
 #include "raven_correction/dataset/dataset_directory.h"
 #include "raven_correction/error.h"
+#include "raven_correction/ros/bag_file.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/stamp_order.h"
@@ -364,27 +365,16 @@ void writeTrajectory(rosbag::Bag& bag, const Trajectory& trajectory, const std::
 }  // namespace
 
 void writeSessionBag(const Dataset& dataset, const std::string& file) {
-  if (fs::exists(file))
-    throw InvalidInput(
-        format("%s: exists; nothing was written, choose another name", file.c_str()));
   for (const Trajectory& trajectory : dataset.trajectories)
     if (trajectory.commands.empty())
       throw InvalidInput(
           format("%s: trajectory %s has no stream of commanded poses, which a session's bag holds "
                  "(doc/bags.md); nothing was written: use the directory as it is",
                  dataset.source.c_str(), trajectory.id.c_str()));
-  const std::string part = file + ".part";
-  try {
-    rosbag::Bag bag(part, rosbag::bagmode::Write);
+  writeBagFile(file, /*overwrite=*/false, [&](rosbag::Bag& bag) {
     for (const Trajectory& trajectory : dataset.trajectories)
       writeTrajectory(bag, trajectory, dataset.frame);
-    bag.close();
-    fs::rename(part, file);
-  } catch (const std::exception& error) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    throw InvalidInput(format("%s: cannot be written: %s", file.c_str(), error.what()));
-  }
+  });
 }
 
 }  // namespace raven_correction
