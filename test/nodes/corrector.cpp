@@ -9,8 +9,8 @@
 #include <raven_correction/Retrain.h>
 #include <raven_correction/SaveModel.h>
 #include <raven_correction/SetMode.h>
-#include <raven_correction/TrainerProgress.h>
 #include <raven_correction/TrainingReport.h>
+#include <raven_correction/WorkProgress.h>
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <std_srvs/SetBool.h>
@@ -50,7 +50,7 @@ class NodesTest : public ::testing::Test {
         "correction/status", 100, [this](const auto& msg) { statuses_.push_back(*msg); });
     model_ = nh_.subscribe<CorrectionModel>("correction/model", 10,
                                             [this](const auto& msg) { model_id_ = msg->id; });
-    progress_ = nh_.subscribe<TrainerProgress>(
+    progress_ = nh_.subscribe<WorkProgress>(
         "trainer/progress", 100, [this](const auto& msg) { phases_.insert(msg->phase); });
     report_ = nh_.subscribe<TrainingReport>("trainer/report", 10,
                                             [this](const auto& msg) { last_report_ = *msg; });

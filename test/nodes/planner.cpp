@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "raven_correction/RunPlanner.h"
-#include "raven_correction/TrainerProgress.h"
 #include "raven_correction/TrajectoryEvent.h"
+#include "raven_correction/WorkProgress.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/planner_node.h"
@@ -54,7 +54,7 @@ class Planner : public ::testing::Test {
           const std::lock_guard<std::mutex> lock(mutex);
           heard.paths.push_back(*message);
         });
-    progress_ = nh.subscribe<TrainerProgress>("planner/progress", 100, [this](const auto& message) {
+    progress_ = nh.subscribe<WorkProgress>("planner/progress", 100, [this](const auto& message) {
       const std::lock_guard<std::mutex> lock(mutex);
       progress = *message;
     });
@@ -108,7 +108,7 @@ class Planner : public ::testing::Test {
   ros::AsyncSpinner spinner;
   std::mutex mutex;
   Heard heard;
-  TrainerProgress progress;
+  WorkProgress progress;
 
  private:
   ros::Subscriber desired_, events_, paths_, progress_;
@@ -214,7 +214,7 @@ TEST_F(Planner, StopsInTheMiddleAndSaysThatTheTargetWasNotReached) {
   EXPECT_TRUE(waitFor(
       [this] {
         const std::lock_guard<std::mutex> lock(mutex);
-        return progress.state == TrainerProgress::FAILED;
+        return progress.state == WorkProgress::FAILED;
       },
       kLimit));
 
