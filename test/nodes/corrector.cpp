@@ -25,6 +25,7 @@
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/session_bag.h"
 #include "raven_correction/simulation/session.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -239,7 +240,6 @@ TEST_F(NodesTest, TheWholeJob) {
   mode.request.mode = "off";
   call("corrector/set_mode", mode);
   EXPECT_TRUE(until([&] { return send(desired()).code == CorrectionStatus::PASSED_OFF; }));
-  fs::remove_all(directory());
 }
 
 TEST_F(NodesTest, TheFirstMessageOfALatchedPublisherIsNoCommand) {
@@ -254,8 +254,5 @@ TEST_F(NodesTest, TheFirstMessageOfALatchedPublisherIsNoCommand) {
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_corrector");
-  ros::NodeHandle keep;  // one node for all tests
-  return RUN_ALL_TESTS();
+  return raven_correction::runNodeTests(argc, argv, "test_corrector");
 }

@@ -18,6 +18,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/planner_node.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -297,8 +298,5 @@ TEST(PlannerParams, AllProblemsAreNamedAtOnce) {
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_planner");
-  ros::NodeHandle nh;
-  return RUN_ALL_TESTS();
+  return raven_correction::runNodeTests(argc, argv, "test_planner");
 }

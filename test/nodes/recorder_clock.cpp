@@ -5,14 +5,13 @@
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
 
-#include <filesystem>
-
 #include "raven_correction/Pair.h"
 #include "raven_correction/RecorderStatus.h"
 #include "raven_correction/StartRecording.h"
 #include "raven_correction/StopRecording.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/session_bag.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -123,15 +122,11 @@ TEST_F(RecorderClock, LeavesOutOfTheBagWhatGoesBackSaysSoAndTheBagCanBeRead) {
   EXPECT_EQ(session.trajectories[0].commands.size(), 20u);
   EXPECT_EQ(session.trajectories[0].observations.size(), 20u);
   EXPECT_EQ(session.trajectories[0].commands.back().stamp, 101.9);
-  std::filesystem::remove_all(std::filesystem::path(stop.response.bags[0]).parent_path());
 }
 
 }  // namespace
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_recorder_clock");
-  const ros::NodeHandle nh;
-  return RUN_ALL_TESTS();
+  return raven_correction::runNodeTests(argc, argv, "test_recorder_clock");
 }

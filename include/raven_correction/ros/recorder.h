@@ -95,6 +95,7 @@ class Recorder {
   void publishPairs(const std::vector<LivePair>& pairs);
   void watchClock(const ros::Time& now);
   void warnUnregistered(const std::string& topic, const std::string& frame);
+  static double since(const ros::SteadyTime& then);  // [s]
   RecorderStatus status() const;
   void publishStatus();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& report);
