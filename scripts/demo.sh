@@ -85,16 +85,24 @@ relay_log() {
   done
 }
 
-# Passes on the trainer's phases and every tenth of its way, while LEADER lives. One line of the
-# file: time, header of three fields, state, phase, fraction, time left, message.
+# Passes on the trainer's phases and every tenth of its way, while LEADER lives. The first line of
+# the file names the columns of all others.
 relay_progress() {
-  local time phase fraction tenth last=
+  local i phase fraction tenth last=
+  local -a values=()
+  local -A column=()
   tail -n +1 --pid="$1" -F -- "$progress" 2>/dev/null |
-    while IFS=, read -r time _ _ _ _ phase fraction _; do
-      [[ $time != %* && -n $phase ]] || continue # the heading; no phase: it is idle
+    while IFS=, read -r -a values; do
+      if [[ ${values[0]-} == %* ]]; then
+        for i in "${!values[@]}"; do column[${values[i]}]=$i; done
+        continue
+      fi
+      phase=${values[${column[field.phase]}]-}
+      fraction=${values[${column[field.fraction]}]-}
+      [[ -n $phase ]] || continue # it is idle
       case $fraction in
         0.*) tenth=${fraction:2:1} ;;
-        1*) tenth=10 ;;
+        1 | 1.*) tenth=10 ;;
         *) tenth=0 ;; # 0, or as small as 1e-05
       esac
       [[ $phase$tenth != "$last" ]] || continue

@@ -5,16 +5,9 @@
 #include <limits>
 
 #include "raven_correction/error.h"
+#include "raven_correction/ros/names.h"
 
 namespace raven_correction {
-namespace {
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
-
-}  // namespace
-
 const char* toString(CommandVerdict verdict) noexcept {
   switch (verdict) {
     case CommandVerdict::kTaken:

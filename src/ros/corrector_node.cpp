@@ -4,6 +4,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/topics.h"
 
 namespace raven_correction {
@@ -23,10 +24,6 @@ geometry_msgs::TransformStamped withPose(geometry_msgs::TransformStamped msg, co
 }
 
 constexpr double kClockTolerance = 0.01;  // [s]
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
 
 }  // namespace
 

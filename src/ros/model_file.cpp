@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "raven_correction/error.h"
+#include "raven_correction/ros/bag_file.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/topics.h"
 
@@ -168,23 +169,10 @@ Correction modelFromMsg(const CorrectionModel& msg) {
 }
 
 void writeModelFile(const Correction& model, const std::string& file, bool overwrite) {
-  if (!overwrite && fs::exists(file))
-    throw InvalidInput(
-        format("%s: exists; nothing was written, choose another name", file.c_str()));
-  const std::string part = file + ".part";
-  try {
-    const fs::path folder = fs::path(file).parent_path();
-    if (!folder.empty()) fs::create_directories(folder);
-    rosbag::Bag bag(part, rosbag::bagmode::Write);
+  writeBagFile(file, overwrite, [&](rosbag::Bag& bag) {
     const CorrectionModel msg = modelToMsg(model);
     bag.write(topics::kModel, msg.header.stamp.isZero() ? ros::TIME_MIN : msg.header.stamp, msg);
-    bag.close();
-    fs::rename(part, file);
-  } catch (const std::exception& error) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    throw InvalidInput(format("%s: cannot be written: %s", file.c_str(), error.what()));
-  }
+  });
 }
 
 Correction readModelFile(const std::string& file) {

@@ -5,6 +5,7 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/params.h"
 #include "raven_correction/ros/pose_subscription.h"
 #include "raven_correction/ros/topics.h"

@@ -92,13 +92,13 @@ PlannerNode::PlannerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
   desired_ = nh_.advertise<geometry_msgs::PoseStamped>(topics::kDesired, 10);
   path_ = nh_.advertise<geometry_msgs::PoseArray>(topics::kDesiredPath, 10);
   event_ = nh_.advertise<TrajectoryEvent>(topics::kTrajectoryEvent, 100);
-  progress_ = private_handle.advertise<TrainerProgress>("progress", 1, true);
+  progress_ = private_handle.advertise<WorkProgress>("progress", 1, true);
   setpoint_subscriber_ = nh_.subscribe<geometry_msgs::PoseStamped>(
       topics::kSetpoint, 1, [this](const geometry_msgs::PoseStampedConstPtr& msg) {
         const std::lock_guard<std::mutex> lock(mutex_);
         setpoint_ = poseFromMsg(msg->pose);
       });
-  progress(TrainerProgress::IDLE, "", 0.0, -1.0, "waiting for a call of ~run");
+  progress(WorkProgress::IDLE, "", 0.0, -1.0, "waiting for a call of ~run");
   run_ = private_handle.advertiseService("run", &PlannerNode::onRun, this);
   stop_service_ = private_handle.advertiseService("stop", &PlannerNode::onStop, this);
   ROS_INFO("planning for %s on %s, in %s", robot_.name().c_str(), desired_.getTopic().c_str(),
@@ -125,7 +125,7 @@ bool PlannerNode::onRun(RunPlanner::Request& request, RunPlanner::Response& resp
   response.duration = now() - start;
   const double share =
       request.trajectories > 0 ? static_cast<double>(outcome.completed) / request.trajectories : 0;
-  progress(outcome.success ? TrainerProgress::SUCCEEDED : TrainerProgress::FAILED, "", share, 0.0,
+  progress(outcome.success ? WorkProgress::SUCCEEDED : WorkProgress::FAILED, "", share, 0.0,
            outcome.message);
   if (outcome.success)
     ROS_INFO("%s", outcome.message.c_str());
@@ -199,7 +199,7 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
   const double begin = now();
   const ros::SteadyTime real_begin = ros::SteadyTime::now();  // people wait in real time
   double last_stamp = 0.0;
-  progress(TrainerProgress::RUNNING, "moving to the start", 0.0, -1.0, "");
+  progress(WorkProgress::RUNNING, "moving to the start", 0.0, -1.0, "");
   const PoseStream approach =
       smoothMove(*startPose(), motion.rest(), config.speed, config.angular_speed,
                  config.acceleration, 1.0 / config.rate);
@@ -212,6 +212,7 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
     const std::string name = prefix + format("%03u", i);
     const double start = now();
     announce(name, trajectory, start);
+    last_stamp = start;  // it may be stopped before its first command
     const bool completed = play(trajectory.commands, start, last_stamp);
     endOf(name, trajectory, last_stamp, completed);
     if (completed) ++outcome.completed;
@@ -220,7 +221,7 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
     const double left = share > 0.0 ? elapsed * (1.0 - share) / share : -1.0;
     const std::string text =
         format("%u of %u motions", outcome.completed, static_cast<unsigned>(request.trajectories));
-    progress(TrainerProgress::RUNNING, "moving", share, left, text);
+    progress(WorkProgress::RUNNING, "moving", share, left, text);
     if (outcome.completed % report_every == 0 && outcome.completed < request.trajectories)
       ROS_INFO("%s, %.0f s left", text.c_str(), left);
     if (!completed || (!rest() && i + 1 < request.trajectories)) return stopped();
@@ -286,7 +287,7 @@ void PlannerNode::endOf(const std::string& name, const DebridementTrajectory& tr
 
 void PlannerNode::progress(std::uint8_t state, const std::string& phase, double fraction,
                            double time_left, const std::string& message) {
-  TrainerProgress msg;
+  WorkProgress msg;
   msg.header.stamp = ros::Time::now();
   msg.state = state;
   msg.phase = phase;

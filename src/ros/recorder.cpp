@@ -10,6 +10,7 @@
 #include "raven_correction/Pair.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/pose_subscription.h"
 #include "raven_correction/ros/topics.h"
 
@@ -20,12 +21,8 @@ namespace fs = std::filesystem;
 
 constexpr double kMegabyte = 1e6;         // [byte]
 constexpr double kTimerPeriod = 0.1;      // [s]
-constexpr double kStatusPeriod = 1.0;     // [s]
 constexpr double kWarningPeriod = 10.0;   // [s]
-constexpr double kSilence = 2.0;          // of a stream that is needed, before a warning [s]
 constexpr double kClockTolerance = 0.01;  // a smaller step back is jitter [s]
-
-double since(const ros::SteadyTime& then) { return (ros::SteadyTime::now() - then).toSec(); }
 
 /// Space left where a directory is, or where it would be created [byte].
 std::uint64_t freeBytesNear(const std::string& directory) {
@@ -89,8 +86,7 @@ Recorder::~Recorder() {
   ROS_INFO("recorder: %s: %s", end.bag.c_str(), end.message.c_str());
 }
 
-// --- streams
-// --------------------------------------------------------------------------------------
+// --- streams -------------------------------------------------------------------------------------
 
 ros::Time Recorder::note(Stream stream) {
   const ros::Time now = ros::Time::now();
@@ -104,8 +100,25 @@ template <typename Message>
 void Recorder::record(Stream stream, const ros::Time& time,
                       const boost::shared_ptr<const Message>& message) {
   if (!recording_) return;
-  ++streams_[stream].received;
-  writer_->push(makeBagRecord(streams_[stream].topic, time, message));
+  StreamState& state = streams_[stream];
+  ++state.received;
+  // Events name instants, and may be told in any order.
+  const ros::Time& stamp = message->header.stamp;
+  const double back = stream == kEvents ? 0.0 : state.order.add(stamp);
+  if (back > 0.0) return leaveOut(state.topic, stamp, back);
+  writer_->push(makeBagRecord(state.topic, time, message));
+}
+
+void Recorder::leaveOut(const std::string& topic, const ros::Time& stamp, double back) {
+  ++out_of_order_;
+  if (!order_message_.empty()) return;
+  order_message_ = format(
+      "%s: the stamp %.6f lies %.6f s before that of the message before it; such messages are left "
+      "out of the bag: a clock was set back, a bag is played in a loop, or two nodes publish "
+      "there; "
+      "~stop and ~start begin a bag that takes them",
+      topic.c_str(), stamp.toSec(), back);
+  ROS_WARN("recorder: %s", order_message_.c_str());
 }
 
 geometry_msgs::PoseStampedConstPtr Recorder::withBaseFrame(
@@ -185,7 +198,7 @@ void Recorder::publishPairs(const std::vector<LivePair>& pairs) {
     message->command = poseToMsg(pair.command);
     message->observation = poseToMsg(pair.observation);
     pairs_publisher_.publish(message);
-    if (!recording_) continue;
+    if (!recording_ || pair_order_.add(message->header.stamp) > 0.0) continue;
     ++pairs_;
     writer_->push(makeBagRecord<Pair>(topics::kPairs, ros::Time::now(), message));
   }
@@ -220,8 +233,7 @@ void Recorder::warnUnregistered(const std::string& topic, const std::string& fra
   ROS_WARN("recorder: %s", unregistered_message_.c_str());
 }
 
-// --- recording
-// ------------------------------------------------------------------------------------
+// --- recording -----------------------------------------------------------------------------------
 
 bool Recorder::running() const {
   return recording_ && writer_->progress().state == SessionWriter::State::kWriting;
@@ -249,7 +261,7 @@ std::string Recorder::start(const std::string& name) {
   options.split_duration = params_.split_duration;
   options.min_free_bytes = static_cast<std::uint64_t>(params_.min_free_mb * kMegabyte);
   options.queue_size = static_cast<std::size_t>(params_.queue_size);
-  const fs::path path = fs::path(params_.directory) / (name.empty() ? newName() : name);
+  const fs::path path = fs::path(params_.directory) / (name.empty() ? newName() : expandHome(name));
   auto writer = std::make_unique<SessionWriter>(path.lexically_normal().string(), options);
   if (writer_) writer_->close();  // of a recording that ended by itself
   writer_ = std::move(writer);
@@ -257,8 +269,14 @@ std::string Recorder::start(const std::string& name) {
   started_ = ros::SteadyTime::now();
   completed_trajectories_ = 0;
   pairs_ = 0;
+  pair_order_ = {};
+  out_of_order_ = 0;
+  order_message_.clear();
   clock_message_.clear();
-  for (StreamState& stream : streams_) stream.received = 0;
+  for (StreamState& stream : streams_) {
+    stream.received = 0;
+    stream.order = {};
+  }
   const ros::Time now = ros::Time::now();
   recordParameters(now);
   recordStaticTransforms(now);
@@ -315,6 +333,10 @@ bool Recorder::onStop(StopRecording::Request&, StopRecording::Response& response
         "; %lu messages were dropped because the disk was too slow: see "
         "~queue_size",
         static_cast<unsigned long>(end.dropped));
+  if (out_of_order_ > 0)
+    response.message +=
+        format("; %lu messages were left out because their stamps went back, first on %s",
+               static_cast<unsigned long>(out_of_order_), order_message_.c_str());
   response.bags = end.parts;
   response.trajectories = completed_trajectories_;
   response.pairs = pairs_;
@@ -322,87 +344,6 @@ bool Recorder::onStop(StopRecording::Request&, StopRecording::Response& response
   ROS_INFO("recorder: %s: %s", end.bag.c_str(), response.message.c_str());
   publishStatus();
   return true;
-}
-
-// --- what it says about itself ------------------------------------------------------------------
-
-RecorderStatus Recorder::status() const {
-  RecorderStatus status;
-  status.header.stamp = ros::Time::now();
-  status.state = RecorderStatus::IDLE;
-  status.message = "idle";
-  status.free_bytes = free_bytes_;
-  if (writer_) {
-    const SessionWriter::Progress progress = writer_->progress();
-    if (progress.state == SessionWriter::State::kDiskFull)
-      status.state = RecorderStatus::STOPPED_DISK_FULL;
-    else if (progress.state == SessionWriter::State::kError)
-      status.state = RecorderStatus::STOPPED_ERROR;
-    else if (recording_)
-      status.state = RecorderStatus::RECORDING;
-    status.message = progress.message;
-    status.bag = progress.bag;
-    status.part = progress.part;
-    status.bytes = progress.bytes;
-    status.free_bytes = progress.free_bytes;
-    status.dropped = progress.dropped;
-  }
-  for (const std::string& remark : {unregistered_message_, clock_message_})
-    if (!remark.empty()) status.message += "; " + remark;
-  status.trajectories = completed_trajectories_;
-  status.pairs = pairs_;
-  for (const StreamState& stream : streams_) {
-    status.topics.push_back(stream.subscriber.getTopic());
-    status.messages.push_back(stream.received);
-  }
-  return status;
-}
-
-void Recorder::publishStatus() {
-  published_ = status();
-  last_status_ = ros::SteadyTime::now();
-  status_publisher_.publish(published_);
-}
-
-void Recorder::onTimer() {
-  watchClock(ros::Time::now());
-  const RecorderStatus now = status();
-  const bool changed = now.state != published_.state || now.message != published_.message ||
-                       now.bag != published_.bag || now.trajectories != published_.trajectories;
-  const bool stopped = now.state != published_.state && now.state > RecorderStatus::RECORDING;
-  if (stopped) ROS_ERROR("recorder: %s", now.message.c_str());
-  if (changed || since(last_status_) >= kStatusPeriod) publishStatus();
-  diagnostics_.update();
-}
-
-void Recorder::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report) {
-  using diagnostic_msgs::DiagnosticStatus;
-  const RecorderStatus now = status();
-  const bool running = now.state == RecorderStatus::RECORDING;
-  report.summary(DiagnosticStatus::OK, running ? "recording" : "idle");
-  if (now.state > RecorderStatus::RECORDING) report.summary(DiagnosticStatus::ERROR, now.message);
-  if (now.dropped > 0) report.mergeSummary(DiagnosticStatus::WARN, "messages dropped");
-  if (!unregistered_message_.empty())
-    report.mergeSummary(DiagnosticStatus::WARN, unregistered_message_);
-  if (streams_[kCommand].subscriber.getNumPublishers() > 1)
-    report.mergeSummary(DiagnosticStatus::WARN, "more than one node publishes servo_cp");
-
-  const double interval = since(last_diagnosis_);
-  last_diagnosis_ = ros::SteadyTime::now();
-  for (StreamState& stream : streams_) {
-    const double rate = static_cast<double>(stream.heard - stream.at_last_look) / interval;
-    stream.at_last_look = stream.heard;
-    const bool silent = stream.last.isZero() || since(stream.last) > kSilence;
-    const bool needed = &stream == &streams_[kCommand] || &stream == &streams_[kMocap];
-    if (running && needed && silent)
-      report.mergeSummary(DiagnosticStatus::WARN, stream.topic + " is silent");
-    report.addf(stream.topic + " rate [Hz]", "%.1f", rate);
-    if (!stream.last.isZero()) report.addf(stream.topic + " age [s]", "%.3f", since(stream.last));
-  }
-  report.add("bag", now.bag);
-  report.add("pairs", now.pairs);
-  report.add("dropped", now.dropped);
-  report.addf("free [MB]", "%.0f", static_cast<double>(now.free_bytes) / kMegabyte);
 }
 
 }  // namespace raven_correction

@@ -2,26 +2,15 @@
 // Parameters of the node `recorder`: from the parameter server, and as text for the bag.
 #include <yaml-cpp/yaml.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "raven_correction/error.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/params.h"
 #include "raven_correction/ros/pose_subscription.h"
 #include "raven_correction/ros/recorder.h"
 
 namespace raven_correction {
-
-std::string expandHome(const std::string& path) {
-  const char* const home = std::getenv("HOME");
-  std::string expanded = path;
-  for (const std::string& prefix : {std::string("~"), std::string("$HOME")}) {
-    const bool alone = path == prefix;
-    const bool leads = path.compare(0, prefix.size() + 1, prefix + "/") == 0;
-    if (home != nullptr && (alone || leads)) expanded = home + path.substr(prefix.size());
-  }
-  return std::filesystem::absolute(expanded).lexically_normal().string();
-}
 
 RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   RecorderParams params;
@@ -46,7 +35,8 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   read.integer("subscriber_queue", params.subscriber_queue, 100, 1000000);
   read.refuseUnknownKeys({"diagnostic_period"});
   read.throwIfAnyProblem();
-  params.directory = expandHome(params.directory);
+  params.directory =
+      std::filesystem::absolute(expandHome(params.directory)).lexically_normal().string();
   params.base_frame = withoutSlash(params.base_frame);
   if (params.base_frame.empty())
     throw InvalidInput("recorder: ~base_frame is empty; give the frame of servo_cp, e.g. 0_link");

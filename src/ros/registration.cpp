@@ -4,12 +4,9 @@
 #include <tf2/exceptions.h>
 
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/names.h"
 
 namespace raven_correction {
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
 
 Registration::Registration(const std::string& base_frame)
     : base_frame_(withoutSlash(base_frame)), listener_(buffer_) {}

@@ -18,7 +18,10 @@
 
 #include "raven_correction/dataset/dataset_directory.h"
 #include "raven_correction/error.h"
+#include "raven_correction/ros/bag_file.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/names.h"
+#include "raven_correction/ros/stamp_order.h"
 #include "raven_correction/ros/topics.h"
 
 namespace raven_correction {
@@ -29,32 +32,52 @@ namespace fs = std::filesystem;
 constexpr double kAfterEnd = 0.5;  ///< observations come later than commands [s]
 constexpr double kPause = 1.0;     ///< without events, a silence that ends a trajectory [s]
 
-std::string withoutSlash(const std::string& name) {
-  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
-}
-
-/// Streams of a whole bag, each sorted by stamp.
+/// Streams of a whole session, each by increasing stamp.
 struct RawStreams {
   std::map<std::string, PoseStream> poses;              ///< by topic
   std::map<std::string, std::set<std::string>> frames;  ///< by topic
+  std::map<std::string, StampOrder> order;              ///< by topic
   JointStream joints;
   std::vector<TrajectoryEvent> events;
   tf2::BufferCore registration;
 };
 
-void sortByStamp(PoseStream& stream) {
-  std::stable_sort(stream.begin(), stream.end(),
-                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+/// Where a message stands, for what has to be said about it.
+struct Place {
+  const std::string& file;
+  const std::string& topic;
+  std::size_t number;  ///< on its topic in this file, from 1
+  ros::Time received;
+};
+
+void checkOrder(const Place& place, const ros::Time& stamp, StampOrder& order) {
+  const double back = order.add(stamp);
+  if (back == 0.0) return;
+  throw InvalidInput(
+      format("%s: %s: message %zu has stamp %.6f, %.6f s before the %.6f of the message before it: "
+             "a clock was set back, a bag was played in a loop, or two nodes publish there; keep "
+             "what came before, `rosbag filter %s CUT.bag \"t.to_nsec() < %lu\"`, or with >= what "
+             "came after",
+             place.file.c_str(), place.topic.c_str(), place.number, stamp.toSec(), back,
+             order.latest().toSec(), place.file.c_str(),
+             static_cast<unsigned long>(place.received.toNSec())));
 }
 
-void take(const rosbag::MessageInstance& instance, RawStreams& raw) {
-  const std::string topic = withoutSlash(instance.getTopic());
-  if (const auto pose = instance.instantiate<geometry_msgs::PoseStamped>()) {
-    if (pose->header.stamp.isZero()) return;  // by convention: not valid
-    raw.poses[topic].push_back(stampedPoseFromMsg(*pose));
-    raw.frames[topic].insert(withoutSlash(pose->header.frame_id));
-  } else if (const auto joints = instance.instantiate<sensor_msgs::JointState>()) {
-    if (topic != topics::kJoints) return;
+bool isPoseStream(const std::string& topic) {
+  return topic == topics::kCommand || topic == topics::kMocap || topic == topics::kEncoder;
+}
+
+void take(const rosbag::MessageInstance& instance, const Place& place, RawStreams& raw) {
+  if (isPoseStream(place.topic)) {
+    const auto pose = instance.instantiate<geometry_msgs::PoseStamped>();
+    if (!pose || pose->header.stamp.isZero()) return;  // zero by convention: not valid
+    checkOrder(place, pose->header.stamp, raw.order[place.topic]);
+    raw.poses[place.topic].push_back(stampedPoseFromMsg(*pose));
+    raw.frames[place.topic].insert(withoutSlash(pose->header.frame_id));
+  } else if (place.topic == topics::kJoints) {
+    const auto joints = instance.instantiate<sensor_msgs::JointState>();
+    if (!joints || joints->header.stamp.isZero()) return;
+    checkOrder(place, joints->header.stamp, raw.order[place.topic]);
     raw.joints.names = joints->name;
     raw.joints.samples.push_back(
         {joints->header.stamp.toSec(),
@@ -63,7 +86,7 @@ void take(const rosbag::MessageInstance& instance, RawStreams& raw) {
   } else if (const auto event = instance.instantiate<TrajectoryEvent>()) {
     raw.events.push_back(*event);
   } else if (const auto tf = instance.instantiate<tf2_msgs::TFMessage>()) {
-    if (topic != withoutSlash(topics::kTfStatic)) return;
+    if (place.topic != withoutSlash(topics::kTfStatic)) return;
     for (const geometry_msgs::TransformStamped& transform : tf->transforms)
       raw.registration.setTransform(transform, "bag", true);
   }
@@ -171,7 +194,11 @@ void readMessages(const std::string& file, RawStreams& raw) {
   if (!fs::is_regular_file(file)) throw InvalidInput(format("%s: no such file", file.c_str()));
   try {
     rosbag::Bag bag(file, rosbag::bagmode::Read);
-    for (const rosbag::MessageInstance& instance : rosbag::View(bag)) take(instance, raw);
+    std::map<std::string, std::size_t> count;  // by topic
+    for (const rosbag::MessageInstance& instance : rosbag::View(bag)) {
+      const std::string topic = withoutSlash(instance.getTopic());
+      take(instance, {file, topic, ++count[topic], instance.getTime()}, raw);
+    }
   } catch (const rosbag::BagException& error) {
     throw InvalidInput(
         format("%s: not a complete bag (%s); if the recorder was killed, run "
@@ -189,7 +216,6 @@ Session readParts(const std::vector<std::string>& parts) {
   const std::string& file = parts.front();  // for messages
   RawStreams raw;
   for (const std::string& part : parts) readMessages(part, raw);
-  for (auto& entry : raw.poses) sortByStamp(entry.second);
   for (const char* const topic : {topics::kCommand, topics::kMocap})
     if (raw.poses[topic].empty())
       throw InvalidInput(format("%s: no message on %s; `rosbag info` lists what was recorded",
@@ -222,8 +248,8 @@ Session readParts(const std::vector<std::string>& parts) {
   return session;
 }
 
-/// Parts NAME_0.bag, NAME_1.bag, ... of one recording together, everything else alone; in the order
-/// in which the first of each was given.
+/// Parts NAME_0.bag, NAME_1.bag, ... of one recording together and by number, everything else
+/// alone; in the order in which the first of each was given.
 std::vector<std::vector<std::string>> groupParts(const std::vector<std::string>& paths) {
   static const std::regex kPart("(.*)_([0-9]+)\\.bag");
   std::vector<std::vector<std::string>> groups;
@@ -238,6 +264,11 @@ std::vector<std::vector<std::string>> groupParts(const std::vector<std::string>&
     if (is_new) groups.emplace_back();
     groups[place->second].push_back(path);
   }
+  // The recorder writes numbers without leading zeros: the longer name is the later part.
+  for (std::vector<std::string>& group : groups)
+    std::sort(group.begin(), group.end(), [](const std::string& a, const std::string& b) {
+      return a.size() != b.size() ? a.size() < b.size() : a < b;
+    });
   return groups;
 }
 
@@ -334,27 +365,16 @@ void writeTrajectory(rosbag::Bag& bag, const Trajectory& trajectory, const std::
 }  // namespace
 
 void writeSessionBag(const Dataset& dataset, const std::string& file) {
-  if (fs::exists(file))
-    throw InvalidInput(
-        format("%s: exists; nothing was written, choose another name", file.c_str()));
   for (const Trajectory& trajectory : dataset.trajectories)
     if (trajectory.commands.empty())
       throw InvalidInput(
           format("%s: trajectory %s has no stream of commanded poses, which a session's bag holds "
                  "(doc/bags.md); nothing was written: use the directory as it is",
                  dataset.source.c_str(), trajectory.id.c_str()));
-  const std::string part = file + ".part";
-  try {
-    rosbag::Bag bag(part, rosbag::bagmode::Write);
+  writeBagFile(file, /*overwrite=*/false, [&](rosbag::Bag& bag) {
     for (const Trajectory& trajectory : dataset.trajectories)
       writeTrajectory(bag, trajectory, dataset.frame);
-    bag.close();
-    fs::rename(part, file);
-  } catch (const std::exception& error) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    throw InvalidInput(format("%s: cannot be written: %s", file.c_str(), error.what()));
-  }
+  });
 }
 
 }  // namespace raven_correction

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/session_writer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -57,8 +58,8 @@ bool SessionWriter::push(BagRecord record) { return enqueue({std::move(record), 
 bool SessionWriter::pushSticky(BagRecord record) { return enqueue({std::move(record), true}); }
 
 bool SessionWriter::enqueue(Entry entry) {
-  if (entry.record.time < ros::TIME_MIN) entry.record.time = ros::TIME_MIN;
   const std::lock_guard<std::mutex> lock(mutex_);
+  latest_ = entry.record.time = std::max(entry.record.time, latest_);
   const bool full = queue_.size() >= options_.queue_size;
   if (closing_ || full || progress_.state != State::kWriting) {
     ++progress_.dropped;

@@ -2,13 +2,13 @@
 #include "raven_correction/ros/trainer_node.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <thread>
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/names.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 #include "raven_correction/ros/topics.h"
@@ -19,12 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = 180.0 / 3.14159265358979323846;
-
-std::string expandHome(const std::string& path) {
-  const char* const home = std::getenv("HOME");
-  if (path.empty() || path.front() != '~' || home == nullptr) return path;
-  return home + path.substr(1);
-}
 
 template <typename Array>
 void copyComponents(const ErrorSummary& summary, Array& position, Array& angle) {
@@ -58,9 +52,9 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
     : nh_(nh), private_nh_(private_nh), params_(loadTrainerParams(private_nh)) {
   loadTrainingConfig(params_.configuration);  // a mistake in it is better found now than later
   model_publisher_ = nh_.advertise<CorrectionModel>(topics::kModel, 1, true);
-  progress_publisher_ = private_nh_.advertise<TrainerProgress>("progress", 10, true);
+  progress_publisher_ = private_nh_.advertise<WorkProgress>("progress", 10, true);
   report_publisher_ = private_nh_.advertise<TrainingReport>("report", 1, true);
-  publishProgress(TrainerProgress::IDLE, "", 0.0, "waiting for ~retrain");
+  publishProgress(WorkProgress::IDLE, "", 0.0, "waiting for ~retrain");
   if (!params_.model.empty()) goLive(readModelFile(params_.model));
   retrain_service_ = private_nh_.advertiseService("retrain", &TrainerNode::onRetrain, this);
   rollback_service_ = private_nh_.advertiseService("rollback", &TrainerNode::onRollback, this);
@@ -72,7 +66,7 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
 
 void TrainerNode::publishProgress(std::uint8_t state, const std::string& phase, double fraction,
                                   const std::string& message) {
-  TrainerProgress progress;
+  WorkProgress progress;
   progress.header.stamp = ros::Time::now();
   progress.state = state;
   progress.phase = phase;
@@ -81,7 +75,7 @@ void TrainerNode::publishProgress(std::uint8_t state, const std::string& phase, 
   progress.time_left = -1.0;
   const std::lock_guard<std::mutex> lock(mutex_);
   const double elapsed = (ros::SteadyTime::now() - started_).toSec();
-  if (state == TrainerProgress::RUNNING && fraction > 0.05)
+  if (state == WorkProgress::RUNNING && fraction > 0.05)
     progress.time_left = elapsed * (1.0 - fraction) / fraction;
   progress_publisher_.publish(progress);
 }
@@ -146,7 +140,7 @@ void TrainerNode::publishReport(const ValidatedTraining& result,
 }
 
 void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& response) {
-  publishProgress(TrainerProgress::RUNNING, "reading", 0.0, "");
+  publishProgress(WorkProgress::RUNNING, "reading", 0.0, "");
   const TrainingConfig config = loadTrainingConfig(
       request.configuration.empty() ? params_.configuration : expandHome(request.configuration));
   if (!request.dry_run && !request.output.empty())
@@ -160,11 +154,11 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
     if (has_before) before = live_.back();
   }
   const double now = static_cast<double>(ros::WallTime::now().sec);
-  const ValidatedTraining result = trainAndValidate(
-      dataset, config, has_before ? &before : nullptr, now,
-      [&](const std::string& phase, double fraction) {
-        publishProgress(TrainerProgress::RUNNING, phase, 0.05 + 0.9 * fraction, "");
-      });
+  const ValidatedTraining result =
+      trainAndValidate(dataset, config, has_before ? &before : nullptr, now,
+                       [&](const std::string& phase, double fraction) {
+                         publishProgress(WorkProgress::RUNNING, phase, 0.05 + 0.9 * fraction, "");
+                       });
   const Correction& model = result.training.model;
   response.model = model.id;
   response.delay = model.delay;
@@ -183,7 +177,7 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
     response.success = true;
     response.message += "; dry run: nothing written, nothing live";
   } else {
-    publishProgress(TrainerProgress::RUNNING, "saving", 0.97, "");
+    publishProgress(WorkProgress::RUNNING, "saving", 0.97, "");
     const std::string file =
         request.output.empty() ? (fs::path(params_.model_directory) / (model.id + ".bag")).string()
                                : expandHome(request.output);
@@ -229,7 +223,7 @@ bool TrainerNode::onRetrain(Retrain::Request& request, Retrain::Response& respon
     report.message = failure;
     report_publisher_.publish(report);
   }
-  publishProgress(response.success ? TrainerProgress::SUCCEEDED : TrainerProgress::FAILED, "", 1.0,
+  publishProgress(response.success ? WorkProgress::SUCCEEDED : WorkProgress::FAILED, "", 1.0,
                   response.message);
   ROS_INFO("trainer: %s", response.message.c_str());
   return true;

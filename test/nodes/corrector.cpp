@@ -9,8 +9,8 @@
 #include <raven_correction/Retrain.h>
 #include <raven_correction/SaveModel.h>
 #include <raven_correction/SetMode.h>
-#include <raven_correction/TrainerProgress.h>
 #include <raven_correction/TrainingReport.h>
+#include <raven_correction/WorkProgress.h>
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <std_srvs/SetBool.h>
@@ -25,6 +25,7 @@
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/session_bag.h"
 #include "raven_correction/simulation/session.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -50,7 +51,7 @@ class NodesTest : public ::testing::Test {
         "correction/status", 100, [this](const auto& msg) { statuses_.push_back(*msg); });
     model_ = nh_.subscribe<CorrectionModel>("correction/model", 10,
                                             [this](const auto& msg) { model_id_ = msg->id; });
-    progress_ = nh_.subscribe<TrainerProgress>(
+    progress_ = nh_.subscribe<WorkProgress>(
         "trainer/progress", 100, [this](const auto& msg) { phases_.insert(msg->phase); });
     report_ = nh_.subscribe<TrainingReport>("trainer/report", 10,
                                             [this](const auto& msg) { last_report_ = *msg; });
@@ -239,7 +240,6 @@ TEST_F(NodesTest, TheWholeJob) {
   mode.request.mode = "off";
   call("corrector/set_mode", mode);
   EXPECT_TRUE(until([&] { return send(desired()).code == CorrectionStatus::PASSED_OFF; }));
-  fs::remove_all(directory());
 }
 
 TEST_F(NodesTest, TheFirstMessageOfALatchedPublisherIsNoCommand) {
@@ -254,8 +254,5 @@ TEST_F(NodesTest, TheFirstMessageOfALatchedPublisherIsNoCommand) {
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_corrector");
-  ros::NodeHandle keep;  // one node for all tests
-  return RUN_ALL_TESTS();
+  return raven_correction::runNodeTests(argc, argv, "test_corrector");
 }

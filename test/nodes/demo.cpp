@@ -20,6 +20,7 @@
 #include "raven_correction/StopRecording.h"
 #include "raven_correction/evaluation/visits.h"
 #include "raven_correction/ros/session_bag.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -146,13 +147,4 @@ TEST_F(Demo, RecordsLearnsCorrectsAndComesCloser) {
 }  // namespace
 }  // namespace raven_correction
 
-int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_demo");
-  ros::NodeHandle nh;
-  const int result = RUN_ALL_TESTS();
-  std::string directory;
-  if (result == 0 && ros::param::get("/directory", directory))
-    std::filesystem::remove_all(directory);
-  return result;
-}
+int main(int argc, char** argv) { return raven_correction::runNodeTests(argc, argv, "test_demo"); }

@@ -12,6 +12,7 @@
 #include "raven_correction/CorrectionModel.h"
 #include "raven_correction/CorrectionStatus.h"
 #include "raven_correction/ros/conversions.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -133,8 +134,5 @@ TEST(OverlayParameters, AreThoseOfTheShippedFile) {
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_overlay");
-  const ros::NodeHandle nh;
-  return RUN_ALL_TESTS();
+  return raven_correction::runNodeTests(argc, argv, "test_overlay");
 }

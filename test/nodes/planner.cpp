@@ -13,11 +13,12 @@
 #include <vector>
 
 #include "raven_correction/RunPlanner.h"
-#include "raven_correction/TrainerProgress.h"
 #include "raven_correction/TrajectoryEvent.h"
+#include "raven_correction/WorkProgress.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/planner_node.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -54,7 +55,7 @@ class Planner : public ::testing::Test {
           const std::lock_guard<std::mutex> lock(mutex);
           heard.paths.push_back(*message);
         });
-    progress_ = nh.subscribe<TrainerProgress>("planner/progress", 100, [this](const auto& message) {
+    progress_ = nh.subscribe<WorkProgress>("planner/progress", 100, [this](const auto& message) {
       const std::lock_guard<std::mutex> lock(mutex);
       progress = *message;
     });
@@ -108,7 +109,7 @@ class Planner : public ::testing::Test {
   ros::AsyncSpinner spinner;
   std::mutex mutex;
   Heard heard;
-  TrainerProgress progress;
+  WorkProgress progress;
 
  private:
   ros::Subscriber desired_, events_, paths_, progress_;
@@ -214,7 +215,7 @@ TEST_F(Planner, StopsInTheMiddleAndSaysThatTheTargetWasNotReached) {
   EXPECT_TRUE(waitFor(
       [this] {
         const std::lock_guard<std::mutex> lock(mutex);
-        return progress.state == TrainerProgress::FAILED;
+        return progress.state == WorkProgress::FAILED;
       },
       kLimit));
 
@@ -297,8 +298,5 @@ TEST(PlannerParams, AllProblemsAreNamedAtOnce) {
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_planner");
-  ros::NodeHandle nh;
-  return RUN_ALL_TESTS();
+  return raven_correction::runNodeTests(argc, argv, "test_planner");
 }

@@ -23,6 +23,7 @@
 #include "raven_correction/TrajectoryEvent.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -300,12 +301,5 @@ TEST(RecorderParameters, AreRefusedTogetherWithTheirRemedy) {
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_recorder");
-  ros::NodeHandle nh;
-  const int result = RUN_ALL_TESTS();
-  std::string directory;
-  if (nh.getParam("/directory", directory) && directory.find("raven_correction_recorder") < 10)
-    std::filesystem::remove_all(directory);
-  return result;
+  return raven_correction::runNodeTests(argc, argv, "test_recorder");
 }

@@ -16,6 +16,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/simulator_node.h"
+#include "support/node_main.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -279,8 +280,5 @@ TEST(SimulatorParams, AClockThatNobodyListensToIsRefused) {
 }  // namespace raven_correction
 
 int main(int argc, char** argv) {
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "test_simulator");
-  ros::NodeHandle nh;
-  return RUN_ALL_TESTS();
+  return raven_correction::runNodeTests(argc, argv, "test_simulator");
 }

@@ -123,6 +123,13 @@ class Package(unittest.TestCase):
         self.ok(sourced(self.setup, f'cmake -S "{HERE}/consumer" -B "{build}" && cmake --build "{build}"'))
         self.assertEqual(self.ok(sourced(self.setup, build / "consumer")).strip(), "core answers 42")
 
+    def test_configures_where_googletest_is_missing(self):
+        # As on a machine that has only run the demo; catkin would otherwise build it from source with threads.
+        absent = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("GTest", "Threads")]
+        output = self.ok(run("cmake", "-S", ROOT, "-B", Path(self.folder.name) / "without_googletest",
+                             "-DPYTHON_EXECUTABLE=/usr/bin/python3", *absent))
+        self.assertIn("GoogleTest is missing", output)
+
     def test_workspace(self):
         workspace = Path(self.folder.name) / "workspace"
         (workspace / "src").mkdir(parents=True)

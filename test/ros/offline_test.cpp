@@ -12,8 +12,10 @@
 #include "raven_correction/dataset/csv.h"
 #include "raven_correction/dataset/dataset_directory.h"
 #include "raven_correction/evaluation/table_one.h"
+#include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/session_bag.h"
+#include "raven_correction/ros/topics.h"
 #include "support/temporary_directory.h"
 #include "support/test_data.h"
 
@@ -216,6 +218,34 @@ TEST_F(OfflineTest, AnEmptyBagIsRefused) {
   const std::string empty = folder_.path() + "/empty.bag";
   rosbag::Bag(empty, rosbag::bagmode::Write).close();
   expectRefused(offline({"train", empty, "-o", model_}), "no message on servo_cp");
+}
+
+TEST_F(OfflineTest, StampsOutOfOrderAreRefusedInBagsAndDirectories) {
+  Dataset dataset = readDatasetDirectory(session_);
+  PoseStream& seen = dataset.trajectories[4].observations;
+  std::swap(seen[10].stamp, seen[20].stamp);
+  const std::string backward = folder_.path() + "/backward", bag = folder_.path() + "/backward.bag";
+  writeDatasetDirectory(dataset, backward);
+  expectRefused(offline({"train", backward, "-o", model_, "--config", config_}),
+                "before the row above; sort the rows");
+  // A bag in which messages arrived in another order than they were stamped.
+  {
+    rosbag::Bag out(bag, rosbag::bagmode::Write);
+    ros::Time arrival(1.0);
+    for (const Trajectory& trajectory : dataset.trajectories) {
+      const auto write = [&](const char* topic, const PoseStream& stream) {
+        for (const StampedPose& sample : stream)
+          out.write(topic, arrival += ros::Duration(1e-3),
+                    stampedPoseToMsg(sample.stamp, sample.pose, dataset.frame));
+      };
+      write(topics::kCommand, trajectory.commands);
+      write(topics::kMocap, trajectory.observations);
+    }
+  }
+  for (const char* const command : {"train", "export"})
+    expectRefused(offline({command, bag, "-o", model_}), "mocap/measured_cp: message ");
+  expectRefused(offline({"evaluate", bag, "--config", config_}), "rosbag filter");
+  EXPECT_FALSE(fs::exists(model_));
 }
 
 TEST_F(OfflineTest, FewerThanFiveTrajectoriesCannotBeEvaluated) {

@@ -130,6 +130,42 @@ TEST_F(SessionBag, EventsOfAnotherClockAreNamed) {
       << complaint({path("s.bag")});
 }
 
+TEST_F(SessionBag, StampsThatGoBackAreRefusedWithTheirPlaceAndTheCut) {
+  rosbag::Bag bag(path("s.bag"), rosbag::bagmode::Write);
+  streams(bag, 10.0, 12.0, "0_link", "0_link");  // 21 messages on each topic
+  // The tracker's clock was set back by two seconds; the recorder's was not.
+  bag.write(topics::kMocap, ros::Time(12.1), stampedPoseToMsg(10.0, poseAtTime(10.0), "0_link"));
+  bag.close();
+  const std::string text = complaint({path("s.bag")});
+  for (const char* const part :
+       {"s.bag: mocap/measured_cp: message 22 has stamp 10.000000, 2.000000 s before",
+        "12.000000 of the message before it", "rosbag filter", "t.to_nsec() < 12100000000\""})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+}
+
+TEST_F(SessionBag, RepeatedStampsAndUnsetOnesAreNotOutOfOrder) {
+  rosbag::Bag bag(path("s.bag"), rosbag::bagmode::Write);
+  streams(bag, 10.0, 12.0, "0_link", "0_link");
+  for (const double stamp : {12.0, 0.0, 12.0})  // a frozen frame, and one without a stamp
+    bag.write(topics::kMocap, ros::Time(12.1), stampedPoseToMsg(stamp, poseAtTime(12.0), "0_link"));
+  bag.close();
+  const Dataset dataset = readInputs({path("s.bag")});
+  ASSERT_EQ(dataset.trajectories.size(), 1u);
+  EXPECT_EQ(dataset.trajectories[0].observations.size(), 23u);
+}
+
+TEST_F(SessionBag, PartsAreReadInTheOrderOfTheirNumbers) {
+  std::vector<std::string> parts;
+  for (const int part : {10, 2, 9}) {  // as a sorted listing of the folder names them
+    parts.push_back(path("s_" + std::to_string(part) + ".bag"));
+    rosbag::Bag bag(parts.back(), rosbag::bagmode::Write);
+    streams(bag, part, part + 0.85, "0_link", "0_link");
+    bag.close();
+  }
+  EXPECT_EQ(complaint(parts), "accepted");
+  EXPECT_EQ(readInputs(parts).trajectories[0].commands.front().stamp, 2.0);
+}
+
 TEST_F(SessionBag, WhatABagCannotHoldIsNotWritten) {
   Dataset dataset;
   dataset.source = "joints";

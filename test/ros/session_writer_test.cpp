@@ -60,6 +60,17 @@ TEST(SessionWriter, WritesEveryMessageInOrder) {
   for (int i = 0; i < 5000; ++i) EXPECT_EQ(all[static_cast<std::size_t>(i)], std::to_string(i));
 }
 
+TEST(SessionWriter, KeepsTheOrderOfArrivalWhenTheClockIsSetBack) {
+  const TemporaryDirectory directory;
+  SessionWriter writer(directory.path() + "/session", {});
+  for (const double time : {0.0, 100.0, 90.0, 95.0, 101.0})
+    writer.push(text("numbers", time, std::to_string(time)));
+  const auto all = contents(writer.close().parts.at(0), "numbers");
+  ASSERT_EQ(all.size(), 5u);
+  EXPECT_EQ(all[2], std::to_string(90.0));
+  EXPECT_EQ(all[3], std::to_string(95.0));
+}
+
 TEST(SessionWriter, OverwritesNothing) {
   const TemporaryDirectory directory;
   const std::string path = directory.path() + "/session";

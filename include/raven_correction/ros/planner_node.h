@@ -14,7 +14,7 @@
 #include <string>
 
 #include "raven_correction/RunPlanner.h"
-#include "raven_correction/TrainerProgress.h"
+#include "raven_correction/WorkProgress.h"
 #include "raven_correction/ros/playback.h"
 #include "raven_correction/simulation/debridement_motion.h"
 

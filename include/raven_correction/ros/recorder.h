@@ -21,6 +21,7 @@
 #include "raven_correction/ros/live_synchroniser.h"
 #include "raven_correction/ros/registration.h"
 #include "raven_correction/ros/session_writer.h"
+#include "raven_correction/ros/stamp_order.h"
 #include "raven_correction/ros/trajectory_windows.h"
 
 namespace raven_correction {
@@ -48,9 +49,6 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh);
 /// The same as YAML text, with the version of the package: what stands in every bag.
 std::string recorderParametersYaml(const RecorderParams& params);
 
-/// "~", "~/x" and "$HOME/x" to an absolute path. Without HOME: relative to the working directory.
-std::string expandHome(const std::string& path);
-
 /// All callbacks run in the one thread that spins; the disk has a thread of its own.
 class Recorder {
  public:
@@ -66,6 +64,7 @@ class Recorder {
     std::string topic;  // relative: its name in the bag
     ros::Subscriber subscriber;
     std::uint64_t received = 0;      // since the start of the recording
+    StampOrder order;                // of what was recorded since then
     std::uint64_t at_last_look = 0;  // of `heard`, for the rate in diagnostics
     std::uint64_t heard = 0;         // since the node started
     ros::SteadyTime last;            // when the latest arrived; zero: none yet
@@ -89,12 +88,14 @@ class Recorder {
   ros::Time note(Stream stream);
   template <typename Message>
   void record(Stream stream, const ros::Time& time, const boost::shared_ptr<const Message>& m);
+  void leaveOut(const std::string& topic, const ros::Time& stamp, double back);
   void recordStaticTransforms(const ros::Time& time);
   void recordParameters(const ros::Time& time);
   geometry_msgs::PoseStampedConstPtr withBaseFrame(const geometry_msgs::PoseStampedConstPtr& m);
   void publishPairs(const std::vector<LivePair>& pairs);
   void watchClock(const ros::Time& now);
   void warnUnregistered(const std::string& topic, const std::string& frame);
+  static double since(const ros::SteadyTime& then);  // [s]
   RecorderStatus status() const;
   void publishStatus();
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& report);
@@ -112,7 +113,10 @@ class Recorder {
   double duration_ = 0.0;  // of the last recording [s]
   std::uint32_t completed_trajectories_ = 0;
   std::uint64_t pairs_ = 0;
-  std::uint64_t free_bytes_ = 0;  // before the first recording [byte]
+  StampOrder pair_order_;
+  std::uint64_t out_of_order_ = 0;  // left out of the bag
+  std::string order_message_;       // of the first that was left out; empty: none
+  std::uint64_t free_bytes_ = 0;    // before the first recording [byte]
 
   std::array<StreamState, kStreamCount> streams_;
   ros::Time last_time_;

@@ -17,9 +17,6 @@
 
 namespace raven_correction {
 
-/// "/0_link" and "0_link" are the same frame: tf2 knows it without the slash.
-std::string withoutSlash(const std::string& frame);
-
 /// Looks frames up in tf without ever waiting; for use in callbacks.
 class Registration {
  public:

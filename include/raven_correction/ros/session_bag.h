@@ -27,8 +27,8 @@ struct Session {
 /// Reads a session from one bag. Poses of mocap/measured_cp are registered into the base frame by
 /// the bag's /tf_static. Raw streams are kept as they are, also what is not finite.
 /// @throws InvalidInput  no such file, not a bag or cut off (run `rosbag reindex`), no command or
-/// no
-///         observation in it, or the registration is missing (the text names the frames)
+///         no observation in it, stamps that go back on a topic (the text has the message and how
+///         to cut the bag there), or no registration (the text names the frames)
 Session readSessionBag(const std::string& file);
 
 /// Whether the file is a complete bag with motion capture in it.
@@ -37,9 +37,9 @@ bool holdsSession(const std::string& file);
 /// A bag, or a data set directory, whichever the path is.
 /// @throws InvalidInput  neither, or see readSessionBag() and readDatasetDirectory()
 Dataset readInput(const std::string& path);
-/// Parts NAME_0.bag, NAME_1.bag, ... of a recording that was split are read as one session.
-/// All inputs as one data set, sorted by start. Trajectory names that occur twice get the name of
-/// their input in front.
+/// All inputs as one data set, sorted by start. Parts NAME_0.bag, NAME_1.bag, ... of a recording
+/// that was split are read as one session, in the order of their numbers. Trajectory names that
+/// occur twice get the name of their input in front.
 /// @throws InvalidInput  no input, or different base frames
 Dataset readInputs(const std::vector<std::string>& paths);
 

@@ -25,7 +25,7 @@ namespace raven_correction {
 /// One message on its way to the bag; its type is hidden in `write`.
 struct BagRecord {
   std::string topic;  ///< as it shall stand in the bag
-  ros::Time time;     ///< of receipt; what is earlier than ros::TIME_MIN is moved there
+  ros::Time time;     ///< of receipt; see SessionWriter::push()
   std::function<void(rosbag::Bag&, const BagRecord&)> write;
 };
 
@@ -87,7 +87,9 @@ class SessionWriter {
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  /// Queues a message. @return false if it was dropped
+  /// Queues a message. A time before that of the message before it (the clock was set back), or
+  /// before ros::TIME_MIN, is moved there: whoever reads a bag gets its messages by their times.
+  /// @return false if it was dropped
   bool push(BagRecord record);
   /// The same, and it opens every later part again, until a newer one of its topic replaces it.
   bool pushSticky(BagRecord record);
@@ -126,6 +128,7 @@ class SessionWriter {
   mutable std::mutex mutex_;  // of the members below
   std::condition_variable wake_;
   std::deque<Entry> queue_;
+  ros::Time latest_ = ros::TIME_MIN;  // of the messages so far
   bool closing_ = false;
   Progress progress_;
 

@@ -6,8 +6,8 @@
 #include <raven_correction/LoadModel.h>
 #include <raven_correction/Retrain.h>
 #include <raven_correction/SaveModel.h>
-#include <raven_correction/TrainerProgress.h>
 #include <raven_correction/TrainingReport.h>
+#include <raven_correction/WorkProgress.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 

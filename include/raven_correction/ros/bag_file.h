@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A bag that is written at once and is there complete or not at all (models, imported sessions). A
+// recording, which grows for minutes, is session_writer.h.
+#pragma once
+
+#include <rosbag/bag.h>
+
+#include <functional>
+#include <string>
+
+namespace raven_correction {
+
+/// Writes FILE.part and renames it when it is complete; folders are created as needed.
+/// @param write  fills the open bag; what it throws becomes the reason of the refusal
+/// @throws InvalidInput  the file exists and may not be overwritten, or it cannot be written; a
+///         file that was there stays as it was
+void writeBagFile(const std::string& file, bool overwrite,
+                  const std::function<void(rosbag::Bag&)>& write);
+
+}  // namespace raven_correction

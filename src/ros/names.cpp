@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/ros/names.h"
+
+#include <cstdlib>
+
+namespace raven_correction {
+
+std::string withoutSlash(const std::string& name) {
+  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
+}
+
+std::string expandHome(const std::string& path) {
+  const char* const home = std::getenv("HOME");
+  if (home == nullptr) return path;
+  for (const std::string prefix : {"~", "$HOME"})
+    if (path == prefix || path.compare(0, prefix.size() + 1, prefix + "/") == 0)
+      return home + path.substr(prefix.size());
+  return path;
+}
+
+}  // namespace raven_correction
