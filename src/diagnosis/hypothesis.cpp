@@ -19,7 +19,7 @@ struct Shape {
   const char* effect;
   const char* symbol;
   bool fixed;     // see Hypothesis::fixed_shapes
-  bool periodic;  // a wave number: at least half a wave over the range of the joint
+  bool periodic;  // a wave number: at least one wave over the range of the joint
 };
 constexpr Shape kShapes[] = {{"creep", "T", false, false},
                              {"pulley_eccentricity", "N", false, true},
@@ -32,7 +32,7 @@ const Shape* shapeOf(const std::string& effect, const std::string& symbol) {
   return nullptr;
 }
 
-constexpr double kLeastPhase = 3.14159265358979323846;  // less is an offset, or a wrong ratio [rad]
+constexpr double kLeastPhase = 6.28318530717958648;  // less is an offset, or a wrong ratio [rad]
 constexpr double kAmplitudeShare = 4e-3;  // of a parameter's range: a size that shows [-]
 
 bool possible(const Effect& effect, const Recording& recording) {

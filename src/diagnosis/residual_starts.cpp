@@ -60,7 +60,7 @@ std::vector<Eigen::VectorXd> periodicStarts(const ResidualView& view, int joint,
   const double last = kMostPeriods[revolute ? 0 : 1];
   const double step = kPhaseStep / range;
   std::vector<Period> periods;
-  for (double N = 2.0 * step; N < last; N += step) {  // from half a wave over the range
+  for (double N = 4.0 * step; N < last; N += step) {  // from one wave over the range
     Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
     for (std::size_t i = 0; i < q.size(); ++i) {

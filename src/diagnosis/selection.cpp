@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "raven_correction/diagnosis/dependence.h"
 #include "raven_correction/diagnosis/screening.h"
 #include "raven_correction/error.h"
 
@@ -16,7 +18,12 @@ constexpr int kRefitIterations = 8;
 constexpr double kRefitTolerance = 1e-5;
 constexpr double kLeastSpread = 2.5;  // z over motions that every claim needs, beside the corrected
                                       // one over typical motions
-constexpr double kTie = 2.0;          // z below which two explanations cannot be told apart
+constexpr double kFewMotions =
+    1.6;  // z over motions that even an effect in few of them needs: in 3
+constexpr double kLeastEvidence = 25.0;      // log likelihood ratio for it, in independent samples
+constexpr double kCorrelatedSamples = 20.0;  // so many of motion capture count as one
+constexpr double kQuiet = 1.5;               // residual over noise floor of a quiet recording [-]
+constexpr double kTie = 2.0;                 // z below which two explanations cannot be told apart
 constexpr double kTieShare = 0.9;  // and the lesser one explains at least this part of the better
 constexpr std::size_t kMostEquals = 3;
 
@@ -92,6 +99,9 @@ class Selector {
     held_out_ = fit_.residual;
     result_.nominal_residual = fit_.residual;
     result_.hypotheses = hypotheses_.size();
+    samples_ = Eigen::VectorXd::Zero(layout.motions);
+    for (const ResidualBlock& block : layout.blocks)
+      samples_(block.motion) += 1.0 / static_cast<double>(layout.channels.size());
   }
 
   SelectionResult run() {
@@ -114,10 +124,26 @@ class Selector {
     return motionLosses(layout_, residual, channelScales(layout_, of));
   }
 
-  /// Every claim has to pass this, of a new cause or of one that stays.
-  bool earns(const LossComparison& comparison) const {
-    return comparison.share >= options_.least_share && comparison.z_mean > kLeastSpread &&
-           comparison.z_typical > threshold_;
+  /// Every claim has to pass this, of a new cause or of one that stays. Either it is a gain beyond
+  /// chance over motions; or, where nothing but noise is left of most motions, it explains far more
+  /// than noise could in a few of them: a limit that only the fastest motions reach.
+  bool earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
+    const Eigen::VectorXd before = losses(without, without), after = losses(with, without);
+    const LossComparison comparison = compareLosses(before, after, options_.seed);
+    if (comparison.share < options_.least_share) return false;
+    if (comparison.z_mean > kLeastSpread && comparison.z_typical > threshold_) return true;
+    const double evidence = ((before - after).array().isFinite())
+                                .select((before - after).array() * samples_.array(), 0.0)
+                                .sum() /
+                            kCorrelatedSamples;
+    return comparison.z_mean > kFewMotions && evidence > kLeastEvidence && isQuiet(without);
+  }
+
+  /// The residual of most motions is no larger than their noise from sample to sample.
+  bool isQuiet(const Eigen::VectorXd& residual) const {
+    const Eigen::VectorXd floor = noiseFloor(recording_, layout_, residual);
+    const Eigen::VectorXd scale = channelScales(layout_, residual);
+    return ((scale.array() <= kQuiet * floor.array()) || (floor.array() == 0.0)).all();
   }
 
   /// The fit so far and one more hypothesis.
@@ -157,16 +183,23 @@ class Selector {
     return finalists;
   }
 
-  /// Of those that explain the held-out motions equally the one with the fewest parameters;
-  /// `equals` are the others, and `rest` is the best of those that explain them worse.
+  /// The best that earns its place; of those that explain the held-out motions as well as that one
+  /// the one with the fewest parameters. Null if none does.
   const Finalist* choose(const std::vector<Finalist>& finalists, Member& member) const {
     const Eigen::VectorXd before = losses(held_out_, held_out_);
     std::vector<double> gain;
     for (const Finalist& finalist : finalists)
       gain.push_back(
           compareLosses(before, losses(finalist.held_out, held_out_), options_.seed).share);
-    const std::size_t best =
-        static_cast<std::size_t>(std::max_element(gain.begin(), gain.end()) - gain.begin());
+    std::vector<std::size_t> order(finalists.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return gain[a] > gain[b]; });
+    const auto found = std::find_if(order.begin(), order.end(), [&](std::size_t i) {
+      return earns(held_out_, finalists[i].held_out);
+    });
+    if (found == order.end()) return nullptr;
+    const std::size_t best = *found;
     // At the scale of what the best one leaves, small differences show.
     const Eigen::VectorXd fine = losses(finalists[best].held_out, finalists[best].held_out);
     std::vector<std::size_t> equal;
@@ -217,10 +250,9 @@ class Selector {
     if (screening.candidates.empty()) return false;
     const std::vector<Finalist> finalists = fitFinalists(screening.candidates);
     Member member;
-    const Finalist& chosen = *choose(finalists, member);
-    if (!earns(compareLosses(losses(held_out_, held_out_), losses(chosen.held_out, held_out_),
-                             options_.seed)))
-      return false;
+    const Finalist* const choice = choose(finalists, member);
+    if (!choice) return false;
+    const Finalist& chosen = *choice;
     member.first = static_cast<Eigen::Index>(problem_.parameters.size());
     Candidate from = chosen.candidate;
     from.others = chosen.fit.values.head(member.first);
@@ -292,7 +324,8 @@ class Selector {
     for (std::size_t i = 0; i < members_.size(); ++i) {
       const LossComparison comparison = compareLosses(
           losses(dropped_[i], dropped_[i]), losses(held_out_, dropped_[i]), options_.seed);
-      if (earns(comparison) || (weakest < members_.size() && comparison.share >= least)) continue;
+      if (earns(dropped_[i], held_out_) || (weakest < members_.size() && comparison.share >= least))
+        continue;
       weakest = i;
       least = comparison.share;
     }
@@ -325,15 +358,9 @@ class Selector {
       cause.values(i) = parameterOf(problem_.simulation,
                                     member.hypothesis.parameters[static_cast<std::size_t>(i)])
                             .value;
-    // In shares of the loss before any cause.
-    const Eigen::VectorXd& nominal = result_.nominal_residual;
-    const Eigen::VectorXd before = losses(nominal, nominal);
-    const Eigen::VectorXd saved = losses(dropped, nominal) - losses(held_out_, nominal);
-    const LossComparison comparison = compareLosses(before, before - saved, options_.seed);
+    const LossComparison comparison =
+        compareLosses(losses(dropped, dropped), losses(held_out_, dropped), options_.seed);
     cause.share = comparison.share;
-    const LossComparison left =
-        compareLosses(losses(dropped, held_out_), losses(held_out_, held_out_), options_.seed);
-    cause.growth = left.share / (1.0 - left.share);
     cause.lower = comparison.lower;
     cause.upper = comparison.upper;
     cause.equals = member.equals;
@@ -372,6 +399,7 @@ class Selector {
   const DiagnosisProgress& progress_;
   const RecordingSummary summary_;
   const std::vector<Hypothesis> hypotheses_;
+  Eigen::VectorXd samples_;   // of each motion, per channel
   double threshold_ = 0.0;    // of z over typical motions, corrected for the number of starts
   EffectFitProblem problem_;  // the causes so far
   EffectFit fit_;

@@ -70,8 +70,8 @@ std::string causesText(const Verdict& verdict) {
       verdict.causes.size() == 1
           ? std::string("One cause explains it:\n")
           : format(
-                "%zu causes together explain it, each with what is lost when it alone "
-                "is left out:\n",
+                "%zu causes together explain it, each with its share of the error that "
+                "is there without it:\n",
                 verdict.causes.size());
   for (std::size_t i = 0; i < verdict.causes.size(); ++i)
     text += "  " + causeText(verdict, i) + "\n";
@@ -127,7 +127,6 @@ Json causeJson(const Verdict& verdict, std::size_t index) {
         {"value", parameter.value}, {"std", parameter.deviation}, {"unit", parameter.unit}};
   json["explained_percent"] = kPercent * cause.share;
   json["interval_percent"] = intervalJson(cause.lower, cause.upper);
-  json["left_grows_percent"] = kPercent * cause.growth;
   json["indistinguishable_from"] = equalLabels(verdict, cause);
   if (!cause.equals.empty())
     json["separated_by"] =
@@ -146,10 +145,8 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
   for (const NamedParameter& parameter : parametersOf(verdict, cause))
     text += format(" %s = %.4g +- %.2g %s,", parameter.symbol.c_str(), parameter.value,
                    parameter.deviation, parameter.unit.c_str());
-  text += format(
-      " explains %.1f %% (%.1f..%.1f %%) of the error; without it what is left grows by %.0f %%",
-      kPercent * cause.share, kPercent * cause.lower, kPercent * cause.upper,
-      kPercent * cause.growth);
+  text += format(" explains %.1f %% (%.1f..%.1f %%)", kPercent * cause.share,
+                 kPercent * cause.lower, kPercent * cause.upper);
   if (cause.has_runner_up)
     text += format("; next best: %s (%.0f %% of it)",
                    hypothesisLabel(cause.runner_up, verdict.simulation.robot).c_str(),

@@ -65,7 +65,7 @@ struct EffectFitProblem {
   Eigen::VectorXd scales;  ///< of the channels, see channelScales()
   std::vector<bool> use;   ///< one per motion: fitted to it; empty: all
   int max_iterations = 25;
-  double tolerance = 1e-6;    ///< relative change of the cost at which a fit has converged [-]
+  double tolerance = 1e-6;  ///< relative change of the cost at which a fit has converged [-]
   /// Derivatives of the first parameters that are known well enough and not computed again:
   /// layout.size rows; may be empty.
   Eigen::MatrixXd frozen;

@@ -28,11 +28,9 @@ struct Cause {
   Hypothesis hypothesis;
   Eigen::VectorXd values;      ///< of its parameters
   Eigen::VectorXd deviations;  ///< one standard deviation each; 0 for a fixed shape
-  /// Share of the held-out loss before any cause that comes back when this one is dropped and all
-  /// others are refitted, and its 95 % interval over motions [-].
+  /// Share of the held-out loss that is there when this cause is dropped and all others are
+  /// refitted, which goes when it is in, and its 95 % interval over motions [-].
   double share = 0.0, lower = 0.0, upper = 0.0;
-  /// By how much the held-out loss that is left grows when this cause is dropped likewise [-].
-  double growth = 0.0;
   std::vector<Hypothesis> equals;  ///< explain the held-out motions as well; at most three
   bool has_runner_up = false;
   Hypothesis runner_up;          ///< the best of the others when this one was chosen
