@@ -15,6 +15,7 @@ namespace {
 
 using Observation = Recording::Observation;
 constexpr double kMostWrong = 0.1;  // largest share of orientations that markers may get wrong [-]
+constexpr double kLimitTolerance = 1e-6;  // [rad or m]
 constexpr int kMeanRounds = 5;      // of the orientation window: the mean of those inside it, again
 
 /// Joints along a stream of poses: each solution is the seed of the next. Stamps never decrease.
@@ -49,6 +50,7 @@ void addPoseSetpoints(const PoseStream& stream, bool clamp, const KinematicChain
       ++left.unreachable;
       continue;
     }
+    if (clamp && !robot.withinLimits(setpoint.joints, kLimitTolerance)) ++left.outside_limits;
     if (clamp) setpoint.joints = robot.clamp(setpoint.joints);  // as the controller does it
     motion.setpoints.push_back(std::move(setpoint));
   }
@@ -193,6 +195,13 @@ void finish(const Dataset& dataset, const RecordingOptions& options, Recording& 
                dataset.source.c_str(), dataset.trajectories.size(),
                recording.source == DriveSource::kCommands ? "commands" : "encoder samples",
                recording.left_out.unreachable, recording.left_out.impossible));
+  const Recording::Left& left = recording.left_out;
+  if (2 * left.outside_limits > left.setpoints)
+    throw InvalidInput(
+        format("%s: %zu of %zu commands are outside the joint limits of %s; is it the simulation file "
+               "of another robot or arm, are positions in millimetres?",
+               dataset.source.empty() ? dataset.name.c_str() : dataset.source.c_str(),
+               left.outside_limits, left.setpoints, recording.robot.name().c_str()));
   for (Recording::Motion& motion : motions)
     std::stable_sort(motion.observations.begin(), motion.observations.end(),
                      [](const Observation& a, const Observation& b) { return a.stamp < b.stamp; });

@@ -63,6 +63,7 @@ struct Recording {
   std::vector<Motion> motions;
   struct Left {                                   ///< out of how many samples, and why
     std::size_t setpoints = 0, observations = 0;  ///< given
+    std::size_t outside_limits = 0;  ///< set-points: brought to the limit, as the controller does
     std::size_t unreachable = 0;                  ///< set-points: no joints reproduce the pose
     std::size_t not_a_command = 0;                ///< set-points: not finite, not unit, identity
     std::size_t repeated = 0;                     ///< observations: the frame before again
@@ -74,7 +75,8 @@ struct Recording {
 /// Pose streams become set-points by nominal inverse kinematics, seeded along the stream.
 /// @param robot  nominal chain of the data set's arm
 /// @throws InvalidInput  no trajectory has both what drives and what was observed; the poses of the
-///         data set are in another frame than the robot's; no command can be reached
+///         data set are in another frame than the robot's; no command can be reached, or
+///         most are outside the joint limits
 Recording makeRecording(const Dataset& dataset, const KinematicChain& robot,
                         const RecordingOptions& options);
 

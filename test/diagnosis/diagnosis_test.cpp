@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of the diagnosis on data whose answer is known: cleaning of recordings, residuals,
+// fits, comparisons, joint data.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "diagnosis/judge.h"
+#include "plant/joint_session.h"
+#include "raven_correction/error.h"
+#include "raven_correction/report/diagnosis_report.h"
+#include "raven_correction/simulation/session.h"
+
+namespace raven_correction {
+namespace {
+
+std::string effectName(const testing::TestParamInfo<const char*>& info) { return info.param; }
+
+const SimulationConfig& nominal() {
+  static const SimulationConfig config = loadSimulationConfig("config/simulation/nominal.yaml");
+  return config;
+}
+
+SimulationConfig with(const std::string& effect, int index, double value) {
+  return withValues(nominal(), {{effect, index}}, Eigen::VectorXd::Constant(1, value));
+}
+
+Dataset recorded(const SimulationConfig& simulation) { return simulateSession(simulation, 10, 5); }
+
+TEST(Recording, LeavesOutWhatCannotBeReal) {
+  Dataset dataset = recorded(nominal());
+  Trajectory& trajectory = dataset.trajectories[3];
+  trajectory.commands[4].pose = Pose();
+  trajectory.observations[5].pose.p.x() = std::nan("");
+  trajectory.observations[9].pose.q =
+      trajectory.observations[9].pose.q * expRotation(Eigen::Vector3d(2.0, 0.0, 0.0));
+  trajectory.observations[12].pose = trajectory.observations[11].pose;
+  trajectory.observations[12].stamp = trajectory.observations[11].stamp;
+  RecordingOptions options;
+  options.max_samples = 0;
+  const Recording clean = makeRecording(recorded(nominal()), nominal().robot, options);
+  const Recording recording = makeRecording(dataset, nominal().robot, options);
+  EXPECT_EQ(recording.left_out.not_a_command, clean.left_out.not_a_command + 1);
+  EXPECT_EQ(recording.left_out.impossible, clean.left_out.impossible + 2);
+  EXPECT_EQ(recording.left_out.repeated, clean.left_out.repeated + 1);
+}
+
+TEST(Recording, RefusesAnotherFrameAndOutOfReach) {
+  Dataset dataset = recorded(nominal());
+  dataset.frame = "camera";
+  EXPECT_THROW(makeRecording(dataset, nominal().robot, {}), InvalidInput);
+  dataset = recorded(nominal());
+  for (Trajectory& trajectory : dataset.trajectories)
+    for (StampedPose& command : trajectory.commands) command.pose.p *= 1000.0;  // millimetres
+  EXPECT_THROW(makeRecording(dataset, nominal().robot, {}), InvalidInput);
+}
+
+// The simulation that made the recording explains it to the noise of the cameras.
+TEST(Residual, OfTheTruthIsNoise) {
+  const SimulationConfig truth = with("joint_offset", 1, 0.02);
+  const Recording recording = makeRecording(recorded(truth), nominal().robot, {});
+  const ResidualLayout layout = residualLayout(recording);
+  const double wrong = errorSizes(layout, residuals(recording, layout, nominal())).position_median;
+  const double right = errorSizes(layout, residuals(recording, layout, truth)).position_median;
+  EXPECT_GT(wrong, 1e-3);
+  EXPECT_LT(right, 3e-4);
+}
+
+TEST(EffectFit, FindsTheValueAndItsDeviation) {
+  int covered = 0;
+  const int seeds = 12;
+  for (int seed = 0; seed < seeds; ++seed) {
+    const SimulationConfig truth = with("joint_gain", 0, 0.03);
+    const Dataset dataset = simulateSession(truth, 10, 100 + static_cast<std::uint64_t>(seed));
+    RecordingOptions options;
+    options.use_encoders = false;
+    options.max_samples = 1500;
+    const Recording recording = makeRecording(dataset, nominal().robot, options);
+    const ResidualLayout layout = residualLayout(recording);
+    EffectFitProblem problem;
+    problem.recording = &recording;
+    problem.layout = &layout;
+    problem.simulation = nominal();
+    problem.parameters = {{"joint_gain", 0}};
+    problem.start = Eigen::VectorXd::Zero(1);
+    problem.scales = channelScales(layout, residuals(recording, layout, nominal()));
+    const EffectFit fit = fitEffects(problem);
+    EXPECT_TRUE(fit.converged) << fit.message;
+    EXPECT_NEAR(fit.values(0), 0.03, 5e-4);
+    const double deviation = std::sqrt(fit.covariance(0, 0));
+    covered += std::abs(fit.values(0) - 0.03) <= 2.5 * deviation;
+  }
+  EXPECT_GE(covered, seeds - 3);
+}
+
+TEST(LossComparison, SeesAGainAndNotNoise) {
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  Eigen::VectorXd before(200), worse(200), better(200);
+  for (int m = 0; m < 200; ++m) {
+    before(m) = 1.0 + noise(engine);
+    worse(m) = before(m) + noise(engine);
+    better(m) = 0.8 * before(m);
+  }
+  const LossComparison none = compareLosses(before, worse, 1);
+  EXPECT_LT(none.lower, 0.0);
+  EXPECT_GT(none.upper, none.lower);
+  EXPECT_LT(none.z_mean, 4.0);
+  const LossComparison gain = compareLosses(before, better, 1);
+  EXPECT_NEAR(gain.share, 0.2, 1e-9);
+  EXPECT_GT(gain.z_mean, 20.0);
+}
+
+TEST(NoiseFloor, IsThatOfTheCameras) {
+  const Recording recording = makeRecording(recorded(nominal()), nominal().robot, {});
+  const ResidualLayout layout = residualLayout(recording);
+  const Eigen::VectorXd residual = residuals(recording, layout, nominal());
+  const Eigen::VectorXd floor = noiseFloor(recording, layout, residual);
+  const Eigen::VectorXd scale = channelScales(layout, residual);
+  EXPECT_NEAR(floor(0), scale(0), 0.15 * scale(0));
+  EXPECT_NEAR(floor(1), scale(1), 0.15 * scale(1));
+}
+
+TEST(Dependence, SaysOnWhat) {
+  const Recording recording =
+      makeRecording(recorded(with("mocap_scale", 0, 0.02)), nominal().robot, {});
+  const ResidualLayout layout = residualLayout(recording);
+  Eigen::MatrixXd joints;
+  const Eigen::VectorXd residual = residuals(recording, layout, nominal(), &joints);
+  const DependenceResult result = residualDependence(recording, layout, residual, joints, 5, 1);
+  ASSERT_FALSE(result.groups.empty());
+  EXPECT_EQ(result.groups.front().on, "position");
+  EXPECT_GT(result.groups.front().lower, 0.1);
+  const Dependence& time = result.groups.back();
+  EXPECT_EQ(time.on, "time");
+  EXPECT_LT(time.share, 0.5 * result.groups.front().share);
+}
+
+class JointSession : public testing::TestWithParam<const char*> {};
+
+TEST_P(JointSession, NamesTheHiddenEffect) {
+  plant::JointSessionOptions options;
+  options.seed = 12;
+  const plant::HiddenEffect hidden = plant::drawJointsHidden(options, GetParam(), 12, 10.0, 20.0);
+  const plant::PlantSession session = plant::recordJointsHidden(options, {hidden});
+  std::vector<bool> prismatic(6, false);
+  prismatic[2] = true;
+  const Verdict verdict = diagnose(session.dataset, nominal(), prismatic, {});
+  EXPECT_FALSE(verdict.has_kinematics);
+  EXPECT_TRUE(judge(verdict, session.truth.front()).named)
+      << plant::describe(session.truth.front()) << "\n"
+      << diagnosisText(verdict);
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, JointSession,
+                         testing::Values("command_delay", "joint_offset", "joint_coupling",
+                                         "backlash"),
+                         effectName);
+
+TEST(Hypotheses, JointDataHaveNoGeometry) {
+  plant::JointSessionOptions options;
+  options.trajectories = 12;
+  const Recording recording = makeJointRecording(plant::recordJointsClean(options).dataset,
+                                                 std::vector<bool>(6, false), {});
+  for (const Hypothesis& hypothesis : allHypotheses(recording)) {
+    EXPECT_NE(hypothesis.effect, "base_registration");
+    EXPECT_NE(hypothesis.effect, "link_geometry");
+    EXPECT_NE(hypothesis.effect, "mocap_scale");
+    EXPECT_NE(hypothesis.effect, "cable_stretch");
+  }
+}
+
+TEST(Selection, RefusesFewerMotionsThanFolds) {
+  DiagnosisOptions options;
+  options.selection.folds = 20;
+  options.least_motions = 1;
+  EXPECT_THROW(diagnose(recorded(nominal()), nominal(), {}, options), InvalidInput);
+}
+
+}  // namespace
+}  // namespace raven_correction
