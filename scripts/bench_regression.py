@@ -163,6 +163,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=3, help="tables per size")
     parser.add_argument("--others", nargs="*", choices=["sklearn", "stk"],
                         default=["sklearn", "stk"], help="whom to run beside ours")
+    parser.add_argument("--openblas-coretype", help="for the others (default: what fits here)")
     parser.add_argument("--skip-parts", action="store_true", help="whole fits only")
     parser.add_argument("--json", help="write the numbers as JSON")
     parser.add_argument("--sklearn-fit", nargs=2, help=argparse.SUPPRESS)
@@ -170,7 +171,7 @@ def main():
     if arguments.sklearn_fit:
         print(json.dumps(sklearn_fit(*arguments.sklearn_fit)))
         return
-    core = os.environ.get("OPENBLAS_CORETYPE") or blas_core()
+    core = arguments.openblas_coretype or blas_core()
     if core:
         os.environ["OPENBLAS_CORETYPE"] = core
     result = {"processors": os.cpu_count(), "openblas_coretype": core,
