@@ -30,7 +30,7 @@ const char* backendName(GpBackend backend) noexcept {
 
 GpConfig regressDefaults() {
   GpConfig config;
-  config.kernel = KernelType::kMatern52;
+  config.kernel = KernelType::kSquaredExponential;
   config.backend = GpBackend::kExact;
   config.max_hyper_points = 3000;
   config.max_exact_points = 12000;
