@@ -14,11 +14,11 @@
 namespace raven_correction {
 namespace {
 
-constexpr DenseIndex kSmall = 64;      // order of a triangle that is not split
-constexpr DenseIndex kFewColumns = 3;  // right-hand sides that are solved one by one
-constexpr DenseIndex kFewSides = 8;    // for which L' is best read once, not packed
-constexpr DenseIndex kChunk = 16;      // its columns that one thread takes
-constexpr double kValuesForThreads = 1e5;
+constexpr DenseIndex kSmall = 64;            // order of a triangle that is not split
+constexpr DenseIndex kFewColumns = 3;        // right-hand sides that are solved one by one
+constexpr DenseIndex kFewSides = 8;          // for which L' is best read once, not packed
+constexpr DenseIndex kChunk = 16;            // its columns that one thread takes
+constexpr double kValuesForThreads = 1.5e5;  // of L; a barrier on a busy machine costs much more
 
 // About half, a multiple of kSmall.
 DenseIndex split(DenseIndex n) { return (n / 2 + kSmall - 1) / kSmall * kSmall; }

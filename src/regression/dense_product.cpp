@@ -19,7 +19,7 @@ namespace {
 constexpr DenseIndex kDepth = 256;            // k of one block: a B tile of it stays in L1
 constexpr DenseIndex kTilesPerBlock = 4;      // rows of one A block, in tiles: it stays in L2
 constexpr DenseIndex kColumns = 2048;         // columns of one B block: it stays in L3
-constexpr double kWorkForThreads = 8e6;       // multiply-adds below which one thread is faster
+constexpr double kWorkForThreads = 2e7;       // multiply-adds below which one thread is faster
 constexpr double kPacking = 16.0;             // multiply-adds that packing one value is worth
 constexpr DenseIndex kLargestTile = 32 * 16;  // values of one tile, any instruction set
 

@@ -115,7 +115,7 @@ TEST(Dense, SolvesAndTriangularProducts) {
 }
 
 TEST(Dense, ManyRowsForFewColumnsAreSolvedByThreads) {
-  const Eigen::Index n = 1900;
+  const Eigen::Index n = 2600;
   const Eigen::MatrixXd L = lowerTriangle(n);
   const Eigen::MatrixXd X = normalMatrix(n, 6, 5);
   Eigen::MatrixXd B = clean(L).transpose() * X;
