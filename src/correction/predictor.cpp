@@ -74,8 +74,11 @@ Predictor::Predictor(Correction model) : model_(std::move(model)) {
   checkModel(model_);
   model_.rigid.q.normalize();
   model_.mean_orientation.normalize();
-  if (!model_.process.groups.empty())
-    process_ = std::make_unique<const GpPredictor>(model_.process);
+  if (model_.process.groups.empty()) return;
+  process_ = std::make_unique<const GpPredictor>(model_.process);  // checks the groups
+  for (const GpGroup& group : model_.process.groups)
+    for (std::size_t k = 0; k < group.outputs.size(); ++k)
+      noise_variance_(group.outputs[k]) = group.noise_variance(static_cast<Eigen::Index>(k));
 }
 
 std::shared_ptr<Predictor::Workspace> Predictor::makeWorkspace() const {
@@ -95,13 +98,14 @@ Prediction Predictor::predict(const Motion& motion, Workspace& workspace) const 
                     workspace.features.data());
     process_->predict(workspace.features.data(), y.data(), variance.data(), *workspace.process);
     if (!y.allFinite() || !variance.allFinite()) return prediction;
-    const Eigen::Matrix<double, 6, 1> sd = variance.cwiseMax(0.0).cwiseSqrt();
+    const Eigen::Matrix<double, 6, 1> latent = variance.cwiseMax(0.0);
+    const Eigen::Matrix<double, 6, 1> sd = (latent + noise_variance_).cwiseSqrt();
     prediction.sd_position = sd.head<3>();
     prediction.sd_rotation = sd.tail<3>();
     double ratio = 0.0;
     for (Eigen::Index k = 0; k < 6; ++k)
       if (process_->priorDeviation()(k) > 0.0)
-        ratio = std::max(ratio, sd(k) / process_->priorDeviation()(k));
+        ratio = std::max(ratio, std::sqrt(latent(k)) / process_->priorDeviation()(k));
     prediction.h_share = 1.0 - smoothStep(ratio, model_.trust.fade_start, model_.trust.fade_end);
     full = applyCorrection(prediction.rigid, y * prediction.h_share);
   }

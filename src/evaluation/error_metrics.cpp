@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/evaluation/error_metrics.h"
 
+#include <cmath>
+#include <limits>
+
 #include "raven_correction/geometry/statistics.h"
 
 namespace raven_correction {
@@ -14,6 +17,29 @@ PoseError poseError(const Pose& predicted, const Pose& truth) {
   error.angle = rotationAngle(predicted.q, truth.q);
   return error;
 }
+
+ErrorSummary::ErrorSummary()
+    : coverage95(Eigen::Matrix<double, 6, 1>::Constant(std::numeric_limits<double>::quiet_NaN())),
+      nlpd(coverage95) {}
+
+namespace {
+
+constexpr double kNormal95 = 1.959963984540054;  // 97.5 % quantile of the normal distribution
+
+void summariseIntervals(const std::vector<PoseError>& errors, ErrorSummary& summary) {
+  for (const PoseError& error : errors)
+    if (!(error.deviation.minCoeff() > 0.0)) return;
+  Eigen::Array<double, 6, 1> inside = Eigen::Array<double, 6, 1>::Zero(), density = inside;
+  for (const PoseError& error : errors) {
+    const Eigen::Array<double, 6, 1> z = error.residual.cwiseQuotient(error.deviation).array();
+    inside += (z.abs() <= kNormal95).cast<double>();
+    density += 0.5 * (std::log(2.0 * M_PI) + z.square()) + error.deviation.array().log();
+  }
+  summary.coverage95 = (inside / static_cast<double>(errors.size())).matrix();
+  summary.nlpd = (density / static_cast<double>(errors.size())).matrix();
+}
+
+}  // namespace
 
 ErrorSummary summarise(const std::vector<PoseError>& errors) {
   ErrorSummary summary;
@@ -41,6 +67,7 @@ ErrorSummary summarise(const std::vector<PoseError>& errors) {
   collect([](const PoseError& e) { return e.components.head<3>().norm(); });
   summary.position_median = median(values);
   summary.position_p95 = quantile(values, 0.95);
+  summariseIntervals(errors, summary);
   return summary;
 }
 
@@ -58,6 +85,12 @@ ErrorSummary meanOf(const std::vector<ErrorSummary>& summaries) {
     sum.angle_mean += s.angle_mean;
   }
   if (summaries.empty()) return sum;
+  sum.coverage95.setZero();
+  sum.nlpd.setZero();
+  for (const ErrorSummary& s : summaries) {  // one without deviations makes the mean NaN
+    sum.coverage95 += s.coverage95;
+    sum.nlpd += s.nlpd;
+  }
   const double scale = 1.0 / static_cast<double>(summaries.size());
   sum.mean_abs *= scale;
   sum.std *= scale;
@@ -67,6 +100,8 @@ ErrorSummary meanOf(const std::vector<ErrorSummary>& summaries) {
   sum.position_p95 *= scale;
   sum.position_norm_paper *= scale;
   sum.angle_mean *= scale;
+  sum.coverage95 *= scale;
+  sum.nlpd *= scale;
   return sum;
 }
 

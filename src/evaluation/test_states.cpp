@@ -74,9 +74,16 @@ std::vector<PoseError> errorsOf(const std::vector<TestState>& states, Prediction
   for (const TestState& state : states) {
     Pose predicted = state.motion.pose;
     if (kind == PredictionKind::kRigid) predicted = predictor->model().rigid * predicted;
-    if (kind == PredictionKind::kFull)
-      predicted = predictor->predict(state.motion, *workspace).command;
-    errors.push_back(poseError(predicted, state.command));
+    if (kind != PredictionKind::kFull) {
+      errors.push_back(poseError(predicted, state.command));
+      continue;
+    }
+    const Prediction full = predictor->predict(state.motion, *workspace);
+    PoseError error = poseError(full.command, state.command);
+    error.residual =
+        correctionBetween(full.rigid, state.command) - correctionBetween(full.rigid, full.command);
+    error.deviation << full.sd_position, full.sd_rotation;
+    errors.push_back(error);
   }
   return errors;
 }

@@ -4,6 +4,8 @@
 // diagonal triangles are inverted and multiplied with, which keeps solves at the speed of products.
 #include "raven_correction/regression/dense.h"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -12,8 +14,11 @@
 namespace raven_correction {
 namespace {
 
-constexpr DenseIndex kSmall = 64;      // order of a triangle that is not split
-constexpr DenseIndex kFewColumns = 3;  // right-hand sides that are solved one by one
+constexpr DenseIndex kSmall = 64;            // order of a triangle that is not split
+constexpr DenseIndex kFewColumns = 3;        // right-hand sides that are solved one by one
+constexpr DenseIndex kFewSides = 8;          // for which L' is best read once, not packed
+constexpr DenseIndex kChunk = 16;            // its columns that one thread takes
+constexpr double kValuesForThreads = 1.5e5;  // of L; a barrier on a busy machine costs much more
 
 // About half, a multiple of kSmall.
 DenseIndex split(DenseIndex n) { return (n / 2 + kSmall - 1) / kSmall * kSmall; }
@@ -77,6 +82,25 @@ void solveOne(Transpose transpose, DenseIndex n, const double* l, DenseIndex ldl
   }
 }
 
+// B = L^-T B for few columns: from the last block of rows up, each less what those below give it.
+void solveFewTransposed(DenseIndex n, DenseIndex columns, const double* l, DenseIndex ldl,
+                        double* b, DenseIndex ldb) {
+  const SimdKernels& simd = simdKernels();
+  for (DenseIndex end = n; end > 0;) {
+    const DenseIndex first = (end - 1) / kSmall * kSmall, below = n - end;
+    const int threads = double(below) * double(end - first) < kValuesForThreads || omp_in_parallel()
+                            ? 1
+                            : omp_get_max_threads();
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+    for (DenseIndex j = first; j < end; j += kChunk)
+      simd.subtractTransposed(below, std::min(kChunk, end - j), columns, l + end + j * ldl, ldl,
+                              b + end, ldb, b + j, ldb);
+    for (DenseIndex k = 0; k < columns; ++k)
+      solveOne(Transpose::kYes, end - first, l + first + first * ldl, ldl, b + first + k * ldb);
+    end = first;
+  }
+}
+
 }  // namespace
 
 DenseIndex factorCholesky(DenseIndex n, double* a, DenseIndex lda) {
@@ -94,6 +118,10 @@ DenseIndex factorCholesky(DenseIndex n, double* a, DenseIndex lda) {
 
 void solveLower(Transpose transpose, DenseIndex n, DenseIndex columns, const double* l,
                 DenseIndex ldl, double* b, DenseIndex ldb) {
+  if (transpose == Transpose::kYes && columns <= kFewSides) {
+    solveFewTransposed(n, columns, l, ldl, b, ldb);
+    return;
+  }
   if (columns <= kFewColumns) {
     for (DenseIndex j = 0; j < columns; ++j) solveOne(transpose, n, l, ldl, b + j * ldb);
     return;

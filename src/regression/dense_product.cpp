@@ -20,6 +20,7 @@ constexpr DenseIndex kDepth = 256;            // k of one block: a B tile of it 
 constexpr DenseIndex kTilesPerBlock = 4;      // rows of one A block, in tiles: it stays in L2
 constexpr DenseIndex kColumns = 2048;         // columns of one B block: it stays in L3
 constexpr double kWorkForThreads = 2e7;       // multiply-adds below which one thread is faster
+constexpr double kPacking = 16.0;             // multiply-adds that packing one value is worth
 constexpr DenseIndex kLargestTile = 32 * 16;  // values of one tile, any instruction set
 
 // Memory that a thread keeps between products; page faults cost more than small products.
@@ -65,6 +66,15 @@ void pack(DenseIndex width, DenseIndex valid, DenseIndex k, const double* from,
   for (; p < k; ++p)
     for (DenseIndex i = 0; i < valid; ++i)
       to[i + p * width] = from[i * stride_row + p * stride_step];
+}
+
+// Whole tiles of rows next to one another in memory, k steps deep, a column at a time.
+void packTiles(DenseIndex width, DenseIndex rows, DenseIndex k, const double* from,
+               DenseIndex stride_step, double* to) {
+  for (DenseIndex p = 0; p < k; ++p)
+    for (DenseIndex i = 0; i < rows; i += width)
+      std::memcpy(to + i * k + p * width, from + i + p * stride_step,
+                  std::size_t(width) * sizeof(double));
 }
 
 struct Product {
@@ -118,7 +128,9 @@ void addProduct(const Product& product) {
   const DenseIndex mr = simd.tile_rows;
   const DenseIndex nr = simd.tile_columns;
   const DenseIndex block_rows = kTilesPerBlock * mr;
-  const double work = double(product.m) * double(product.n) * double(product.k);
+  const double work =
+      (double(product.m) * double(product.n) + kPacking * (double(product.m) + double(product.n))) *
+      double(product.k);
   const int threads = work < kWorkForThreads || omp_in_parallel() ? 1 : omp_get_max_threads();
   const DenseIndex depth_largest = std::min(kDepth, product.k);
   double* const packed_b =
@@ -144,7 +156,11 @@ void addProduct(const Product& product) {
           const DenseIndex row = (blocks - 1 - block) * block_rows;
           const DenseIndex rows = std::min(block_rows, product.m - row);
           if (product.lower && row + rows <= column) continue;
-          for (DenseIndex i = 0; i < rows; i += mr)
+          const bool whole = product.a_row == 1 && rows % mr == 0;
+          if (whole)
+            packTiles(mr, rows, depth, product.a + row + step * product.a_step, product.a_step,
+                      packed_a);
+          for (DenseIndex i = 0; i < rows && !whole; i += mr)
             pack(mr, std::min(mr, rows - i), depth,
                  product.a + (row + i) * product.a_row + step * product.a_step, product.a_row,
                  product.a_step, packed_a + i * depth);

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <random>
 #include <set>
 
 #include "raven_correction/error.h"
+#include "raven_correction/regression/exact_statistics.h"
 #include "raven_correction/regression/hyperparameters.h"
 #include "raven_correction/regression/inducing_points.h"
 #include "raven_correction/regression/kernel_matrix.h"
@@ -97,11 +97,13 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
   fit.model.features = int(points.rows());
   fit.model.outputs = int(targets.cols());
   fit.report.rows = int(n);
-  fit.report.rows_used =
-      config.backend == GpBackend::kExact ? std::min(int(n), config.max_exact_points) : int(n);
 
+  fit.posterior_rows = sampleIndices(
+      n, config.backend == GpBackend::kExact ? config.max_exact_points : n, config.seed);
+  fit.report.rows_used = int(fit.posterior_rows.size());
   const std::vector<Eigen::Index> hyper_rows =
       sampleIndices(n, config.max_hyper_points, config.seed);
+  fit.report.rows_learnt_on = validates ? int(n) : int(hyper_rows.size());
   for (const std::vector<int>& outputs : checkedGroups(config, fit.model.outputs)) {
     Eigen::MatrixXd group_targets(n, Eigen::Index(outputs.size()));
     for (std::size_t k = 0; k < outputs.size(); ++k)
@@ -136,11 +138,11 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
     group.mean_weights = learnt.mean_weights;
     double jitter = 0.0;
     if (config.backend == GpBackend::kExact) {
-      std::vector<Eigen::Index> rows = sampleIndices(n, config.max_exact_points, config.seed);
-      std::mt19937_64 random(config.seed);  // so that the first ones stand for all
-      std::shuffle(rows.begin(), rows.end(), random);
-      jitter = conditionExact(selectColumns(points, rows), selectRows(group_targets, rows), group,
-                              config.exact_variance_points);
+      const Eigen::MatrixXd chosen = selectColumns(points, fit.posterior_rows);
+      const std::vector<Eigen::Index> order = varianceOrder(chosen);
+      jitter = conditionExact(selectColumns(chosen, order),
+                              selectRows(selectRows(group_targets, fit.posterior_rows), order),
+                              group, config.exact_variance_points);
     } else {
       const std::vector<Eigen::Index> inducing = chooseInducingPoints(
           config.kernel, scalePoints(points, group.length_scales), config.inducing_points,

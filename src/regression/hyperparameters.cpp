@@ -25,6 +25,8 @@ constexpr double kMaxLength = 1e4;
 constexpr double kMinNoiseRatio = 1e-8;
 constexpr double kMaxNoiseRatio = 1e3;
 constexpr Eigen::Index kStartRows = 256;
+constexpr Eigen::Index kCoarsening = 4;      // a coarser search has so many times fewer rows
+constexpr Eigen::Index kCoarsestRows = 300;  // and at least so many
 
 // Features centred and in units of their spread; targets in units of their root mean square.
 struct Normalised {
@@ -117,10 +119,9 @@ Objective::Criterion negativePosterior(MarginalLikelihood& likelihood, double sc
   };
 }
 
-Eigen::VectorXd startOf(const HyperParameterProblem& problem, const Normalised& data,
-                        int& evaluations) {
-  const Eigen::Index rows = std::min(kStartRows, data.points.cols());
-  // Evenly spaced rows: representative for time series and random orders alike.
+// The likelihood of evenly spaced rows: representative for time series and random orders alike.
+MarginalLikelihood likelihoodOf(const HyperParameterProblem& problem, const Normalised& data,
+                                Eigen::Index rows) {
   Eigen::MatrixXd points(data.points.rows(), rows);
   Eigen::MatrixXd targets(rows, data.targets.cols());
   for (Eigen::Index i = 0; i < rows; ++i) {
@@ -128,8 +129,14 @@ Eigen::VectorXd startOf(const HyperParameterProblem& problem, const Normalised& 
     points.col(i) = data.points.col(from);
     targets.row(i) = data.targets.row(from);
   }
-  MarginalLikelihood likelihood(problem.kernel, problem.mean, problem.ard, points, targets);
-  const double typical = std::sqrt(double(std::max<Eigen::Index>(1, points.rows())));
+  return {problem.kernel, problem.mean, problem.ard, points, targets};
+}
+
+Eigen::VectorXd startOf(const HyperParameterProblem& problem, const Normalised& data,
+                        int& evaluations) {
+  MarginalLikelihood likelihood =
+      likelihoodOf(problem, data, std::min(kStartRows, data.points.cols()));
+  const double typical = std::sqrt(double(std::max<Eigen::Index>(1, data.points.rows())));
   Eigen::VectorXd start(likelihood.parameters());
   Eigen::VectorXd best;
   double best_value = -std::numeric_limits<double>::infinity();
@@ -191,9 +198,43 @@ SearchEnd search(Objective& objective, Eigen::VectorXd x, const Eigen::VectorXd&
   return end;
 }
 
-}  // namespace
+struct SearchBest {
+  Eigen::VectorXd x;
+  SearchEnd end;
+  int evaluations = 0;
+};
 
-namespace {
+struct Box {
+  Eigen::VectorXd lower, upper;
+};
+
+// The best of `searches` searches: the first from x, the others from random places around it.
+SearchBest searchStage(const HyperParameterProblem& problem, MarginalLikelihood likelihood,
+                       const Eigen::VectorXd& x, const Eigen::VectorXd& prior_centre,
+                       const Box& box, int searches) {
+  const double values = double(likelihood.targets().size());
+  std::mt19937_64 engine(problem.seed);
+  std::normal_distribution<double> normal;
+  SearchBest best;
+  best.x = x;
+  double best_value = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < std::max(1, searches); ++k) {
+    Eigen::VectorXd from = x;
+    if (k > 0)
+      for (double& value : from) value += normal(engine);
+    from = from.cwiseMax(box.lower).cwiseMin(box.upper);
+    Objective objective(
+        negativePosterior(likelihood, 1.0 / values, problem.log_length_prior, prior_centre));
+    const SearchEnd end = search(objective, from, box.lower, box.upper, problem.max_iterations);
+    best.evaluations += objective.evaluations;
+    if (objective.best.size() > 0 && objective.best_value < best_value) {
+      best_value = objective.best_value;
+      best.x = objective.best;
+      best.end = end;
+    }
+  }
+  return best;
+}
 
 // Grouped validation: a weak pull of the log length scales keeps those finite that do not matter.
 constexpr double kTypicalLength = 5.0;  // in standard deviations of the feature
@@ -267,8 +308,6 @@ HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) 
   const Eigen::Index n = problem.points.cols();
   const Eigen::Index q = problem.targets.cols();
   const Normalised data = normalise(problem);
-  MarginalLikelihood likelihood(problem.kernel, problem.mean, problem.ard, data.points,
-                                data.targets);
   HyperParameterResult result;
   const Eigen::VectorXd start = startOf(problem, data, result.evaluations);
   const Eigen::Index parameters = start.size();
@@ -282,28 +321,23 @@ HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) 
     Eigen::VectorXd upper = Eigen::VectorXd::Constant(parameters, std::log(kMaxLength));
     lower(parameters - 1) = std::log(kMinNoiseRatio);
     upper(parameters - 1) = std::log(kMaxNoiseRatio);
-    std::mt19937_64 engine(problem.seed);
-    std::normal_distribution<double> normal;
-    double best_value = std::numeric_limits<double>::infinity();
-    for (int restart = 0; restart < std::max(1, problem.restarts); ++restart) {
-      Eigen::VectorXd x = start;
-      if (restart > 0)
-        for (double& value : x) value += normal(engine);
-      x = x.cwiseMax(lower).cwiseMin(upper);
-      Objective objective(
-          negativePosterior(likelihood, 1.0 / double(n * q), problem.log_length_prior, start));
-      const SearchEnd end = search(objective, x, lower, upper, problem.max_iterations);
-      result.evaluations += objective.evaluations;
-      if (objective.best.size() > 0 && objective.best_value < best_value) {
-        best_value = objective.best_value;
-        best = objective.best;
-        result.converged = end.converged;
-        result.message = end.message;
-        result.iterations = end.iterations;
-      }
+    // Coarse to fine: the optimum of a quarter of the rows costs little and is near that of all.
+    std::vector<Eigen::Index> stages{n};
+    while (stages.back() / kCoarsening >= kCoarsestRows)
+      stages.push_back(stages.back() / kCoarsening);
+    for (auto rows = stages.rbegin(); rows != stages.rend(); ++rows) {
+      const bool coarsest = rows == stages.rbegin();
+      SearchBest found = searchStage(problem, likelihoodOf(problem, data, *rows), best, start,
+                                     {lower, upper}, coarsest ? problem.restarts : 1);
+      result.evaluations += found.evaluations;
+      result.converged = found.end.converged;
+      result.message = found.end.message;
+      result.iterations = found.end.iterations;
+      best = found.x;
     }
   }
 
+  MarginalLikelihood likelihood = likelihoodOf(problem, data, n);
   result.log_marginal_likelihood =
       likelihood.evaluate(best, nullptr) - double(n) * data.target_unit.array().log().sum();
   result.jitter = std::max(0.0, likelihood.jitter());

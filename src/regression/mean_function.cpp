@@ -2,7 +2,16 @@
 // Bases of the mean function.
 #include "raven_correction/regression/mean_function.h"
 
+#include "raven_correction/error.h"
+
 namespace raven_correction {
+
+MeanType meanFromName(const std::string& name) {
+  if (name == "zero") return MeanType::kZero;
+  if (name == "constant") return MeanType::kConstant;
+  if (name == "linear") return MeanType::kLinear;
+  throw InvalidInput(format("mean '%s' is unknown; use zero, constant or linear", name.c_str()));
+}
 
 Eigen::MatrixXd meanBasis(MeanType type, const Eigen::MatrixXd& points) {
   const Eigen::Index n = points.cols();

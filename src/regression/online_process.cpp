@@ -8,13 +8,22 @@
 
 namespace raven_correction {
 OnlineProcess::OnlineProcess(const GpModel& model, const Eigen::MatrixXd& features,
-                             const Eigen::MatrixXd& targets)
+                             const Eigen::MatrixXd& targets, GpBackend backend)
     : features_(model.features), outputs_(model.outputs) {
+  check(features, targets);
+  const Eigen::MatrixXd points = features.transpose();
   for (const GpGroup& group : model.groups) {
-    groups_.emplace_back(group, group.points);
+    const Eigen::MatrixXd group_targets = groupTargets(group, targets);
+    if (backend == GpBackend::kExact) {
+      groups_.emplace_back(ExactStatistics(group, points, group_targets));
+    } else {
+      SparseStatistics statistics(group, group.points);
+      statistics.update(points, group_targets, 1.0);
+      groups_.emplace_back(std::move(statistics));
+    }
     variance_points_.push_back(group.variance_factor.rows());
   }
-  add(features, targets);
+  remember(features, targets);
 }
 
 void OnlineProcess::check(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets) const {
@@ -30,30 +39,38 @@ void OnlineProcess::check(const Eigen::MatrixXd& features, const Eigen::MatrixXd
           format("row %td (from 0) holds a value that is not finite; leave it out", i));
 }
 
-void OnlineProcess::update(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets,
-                           double sign) {
-  const Eigen::MatrixXd points = features.transpose();
-  for (SparseStatistics& group : groups_)
-    group.update(points, groupTargets(group.group(), targets), sign);
+void OnlineProcess::remember(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets) {
+  for (Eigen::Index i = 0; i < features.rows(); ++i)
+    rows_.push_back({features.row(i).transpose(), targets.row(i).transpose()});
 }
 
 void OnlineProcess::add(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets) {
   check(features, targets);
-  update(features, targets, 1.0);
-  for (Eigen::Index i = 0; i < features.rows(); ++i)
-    rows_.push_back({features.row(i).transpose(), targets.row(i).transpose()});
+  const Eigen::MatrixXd points = features.transpose();
+  for (auto& group : groups_) {
+    if (auto* const exact = std::get_if<ExactStatistics>(&group))
+      exact->append(points, groupTargets(exact->group(), targets));
+    else if (auto* const sparse = std::get_if<SparseStatistics>(&group))
+      sparse->update(points, groupTargets(sparse->group(), targets), 1.0);
+  }
+  remember(features, targets);
 }
 
 void OnlineProcess::dropOldest(Eigen::Index count) {
   if (count < 0 || count > rows())
     throw InvalidInput(format("%td oldest rows to drop, but there are %td", count, rows()));
-  Eigen::MatrixXd features(count, features_);
+  Eigen::MatrixXd points(features_, count);
   Eigen::MatrixXd targets(count, outputs_);
   for (Eigen::Index i = 0; i < count; ++i) {
-    features.row(i) = rows_[std::size_t(i)].features.transpose();
+    points.col(i) = rows_[std::size_t(i)].features;
     targets.row(i) = rows_[std::size_t(i)].targets.transpose();
   }
-  update(features, targets, -1.0);
+  for (auto& group : groups_) {
+    if (auto* const exact = std::get_if<ExactStatistics>(&group))
+      exact->dropOldest(count);
+    else if (auto* const sparse = std::get_if<SparseStatistics>(&group))
+      sparse->update(points, groupTargets(sparse->group(), targets), -1.0);
+  }
   rows_.erase(rows_.begin(), rows_.begin() + count);
 }
 
@@ -62,7 +79,8 @@ GpModel OnlineProcess::model() const {
   model.features = features_;
   model.outputs = outputs_;
   for (std::size_t g = 0; g < groups_.size(); ++g)
-    model.groups.push_back(groups_[g].posterior(variance_points_[g]));
+    model.groups.push_back(std::visit(
+        [&](const auto& group) { return group.posterior(variance_points_[g]); }, groups_[g]));
   return model;
 }
 

@@ -16,7 +16,10 @@ namespace {
 
 constexpr Eigen::Index kBlock = 2048;  // rows that go through the sparse statistics at once
 
-// Cholesky factor of C(X, X) + ridge I in the lower triangle, and the jitter it took.
+void zeroUpper(Eigen::MatrixXd& matrix) { matrix.triangularView<Eigen::StrictlyUpper>().setZero(); }
+
+}  // namespace
+
 double factorCorrelation(KernelType kernel, const Eigen::MatrixXd& scaled, double ridge,
                          Eigen::MatrixXd& K) {
   for (double jitter = 0.0; jitter >= 0.0; jitter = nextJitter(jitter)) {
@@ -30,10 +33,8 @@ double factorCorrelation(KernelType kernel, const Eigen::MatrixXd& scaled, doubl
              K.rows()));
 }
 
-void zeroUpper(Eigen::MatrixXd& matrix) { matrix.triangularView<Eigen::StrictlyUpper>().setZero(); }
-
-void checkSizes(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
-                const GpGroup& group) {
+void checkRows(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
+               const GpGroup& group) {
   if (points.cols() != targets.rows() || points.rows() != group.length_scales.size() ||
       targets.cols() != group.signal_variance.size())
     throw InvalidInput(
@@ -42,8 +43,6 @@ void checkSizes(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
                points.rows(), points.cols(), targets.rows(), targets.cols(),
                group.length_scales.size(), group.signal_variance.size()));
 }
-
-}  // namespace
 
 Eigen::MatrixXd groupTargets(const GpGroup& group, const Eigen::MatrixXd& targets) {
   Eigen::MatrixXd selected(targets.rows(), Eigen::Index(group.outputs.size()));
@@ -60,7 +59,7 @@ double noiseRatio(const GpGroup& group) {
 
 double conditionExact(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets, GpGroup& group,
                       Eigen::Index variance_points) {
-  checkSizes(points, targets, group);
+  checkRows(points, targets, group);
   const Eigen::Index n = points.cols();
   group.points = points;
   const double jitter = factorCorrelation(group.kernel, scalePoints(points, group.length_scales),
@@ -93,7 +92,7 @@ SparseStatistics::SparseStatistics(const GpGroup& group, const Eigen::MatrixXd& 
 
 void SparseStatistics::update(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets,
                               double sign) {
-  checkSizes(points, targets, group_);
+  checkRows(points, targets, group_);
   const Eigen::Index m = scaled_.cols();
   Eigen::MatrixXd V;
   for (Eigen::Index first = 0; first < points.cols(); first += kBlock) {

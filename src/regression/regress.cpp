@@ -28,6 +28,15 @@ const char* backendName(GpBackend backend) noexcept {
   return backend == GpBackend::kExact ? "exact" : "sparse";
 }
 
+GpConfig regressDefaults() {
+  GpConfig config;
+  config.kernel = KernelType::kSquaredExponential;
+  config.backend = GpBackend::kExact;
+  config.max_hyper_points = 3000;
+  config.max_exact_points = 12000;
+  return config;
+}
+
 RegressResult regress(const RegressProblem& problem) {
   const Eigen::Index q = problem.targets;
   const Eigen::Index d = problem.train.cols() - q;
@@ -73,6 +82,7 @@ RegressResult regress(const RegressProblem& problem) {
   Eigen::MatrixXd variance;
   predictor.predict(problem.test.topLeftCorner(rows, d), first_mean, &variance);
   result.seconds_variance = secondsSince(start);
+  result.n_variance = rows;
 
   const Eigen::MatrixXd truth = problem.test.rightCols(q);
   result.outputs = scorePredictions(truth.topRows(rows), mean.topRows(rows),

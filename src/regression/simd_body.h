@@ -179,6 +179,48 @@ void correlations(int kernel, Index d, Index n, const double* a, Index lda, Inde
   }
 }
 
+// kColumns columns of A against kSides columns of B.
+template <int kColumns, int kSides>
+inline void subtractTransposedBlock(Index rows, const double* a, Index lda, const double* b,
+                                    Index ldb, double* c, Index ldc) {
+  Vec sum[kColumns][kSides] = {};
+  Index i = 0;
+  for (; i + kLanes <= rows; i += kLanes) {
+    Vec side[kSides];
+    for (int k = 0; k < kSides; ++k) side[k] = load(b + i + k * ldb);
+    for (int j = 0; j < kColumns; ++j) {
+      const Vec value = load(a + i + j * lda);
+      for (int k = 0; k < kSides; ++k) sum[j][k] += value * side[k];
+    }
+  }
+  for (int j = 0; j < kColumns; ++j)
+    for (int k = 0; k < kSides; ++k) {
+      double total = 0.0;
+      for (int lane = 0; lane < kLanes; ++lane) total += sum[j][k][lane];
+      for (Index r = i; r < rows; ++r) total += a[r + j * lda] * b[r + k * ldb];
+      c[j + k * ldc] -= total;
+    }
+}
+
+template <int kColumns>
+inline void subtractTransposedColumns(Index rows, Index q, const double* a, Index lda,
+                                      const double* b, Index ldb, double* c, Index ldc) {
+  Index k = 0;
+  for (; k + 3 <= q; k += 3)
+    subtractTransposedBlock<kColumns, 3>(rows, a, lda, b + k * ldb, ldb, c + k * ldc, ldc);
+  for (; k < q; ++k)
+    subtractTransposedBlock<kColumns, 1>(rows, a, lda, b + k * ldb, ldb, c + k * ldc, ldc);
+}
+
+void subtractTransposed(Index rows, Index columns, Index q, const double* a, Index lda,
+                        const double* b, Index ldb, double* c, Index ldc) {
+  Index j = 0;
+  for (; j + 4 <= columns; j += 4)
+    subtractTransposedColumns<4>(rows, q, a + j * lda, lda, b, ldb, c + j, ldc);
+  for (; j < columns; ++j)
+    subtractTransposedColumns<1>(rows, q, a + j * lda, lda, b, ldb, c + j, ldc);
+}
+
 constexpr int kPanelVectors = 4;
 constexpr Index kPanelRows = kPanelVectors * kLanes;
 
@@ -236,8 +278,8 @@ void smallInverse(Index n, const double* l, Index ldl, double* out) {
 }
 
 constexpr SimdKernels kTable = {
-    RAVEN_SIMD_NAME, kTileRowVectors* kLanes, kTileColumns,  kPanelRows,  tile,
-    correlations,    squaredNormLower,        smallCholesky, smallInverse};
+    RAVEN_SIMD_NAME, kTileRowVectors* kLanes, kTileColumns,     kPanelRows,    tile,
+    correlations,    subtractTransposed,      squaredNormLower, smallCholesky, smallInverse};
 
 }  // namespace
 

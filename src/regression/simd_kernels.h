@@ -27,6 +27,11 @@ struct SimdKernels {
   void (*correlations)(int kernel, Index d, Index n, const double* a, Index lda, Index m,
                        const double* b, Index ldb, double* c, double* slopes, Index ldc);
 
+  /// C -= A'B for few columns of B: each value of A is read from memory once.
+  /// @param a  rows x columns;  b: rows x q;  c: columns x q
+  void (*subtractTransposed)(Index rows, Index columns, Index q, const double* a, Index lda,
+                             const double* b, Index ldb, double* c, Index ldc);
+
   /// || T x ||^2 for a lower triangular T of n rows. panels: panel after panel of `panel_rows`
   /// rows; panel p has the columns before (p + 1) * panel_rows, each `panel_rows` values, zero
   /// above the diagonal and below the last row. x: readable and zero up to a whole panel.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/report/table_one_report.h"
 
+#include <cmath>
+
 #include "raven_correction/error.h"
 #include "report_json.h"
 
@@ -10,6 +12,9 @@ namespace {
 constexpr Method kMethods[6] = {
     Method::kNone,    Method::kRigid,           Method::kRigidClean,
     Method::kRigidGp, Method::kRigidGpVelocity, Method::kRigidGpVelocityClean};
+
+/// Of the process: position in the base frame, rotation vector.
+const char* const kOutputs[6] = {"dx", "dy", "dz", "rx", "ry", "rz"};
 
 struct MeanStd {
   double mean, std;
@@ -43,6 +48,17 @@ const char* const kHeader =
     "                                             cleaning           GP                   "
     "cleaning\n";
 
+/// One line over the methods that predict deviations, a dash for the others.
+template <typename Value>
+std::string intervalLine(const std::string& name, const ErrorSummary* const (&columns)[6],
+                         Value&& value) {
+  std::string text = format("  %-10s", name.c_str());
+  for (const ErrorSummary* column : columns)
+    text += std::isfinite(value(*column)) ? format("  %6.2f      ", value(*column))
+                                          : std::string("       -      ");
+  return text + "\n";
+}
+
 void appendTable(const TableOneResult& result, const std::string& configuration, bool clean,
                  std::string& text) {
   const ErrorSummary* columns[6];
@@ -66,6 +82,12 @@ void appendTable(const TableOneResult& result, const std::string& configuration,
   line("angle deg", [](const ErrorSummary& s) { return kDegree * s.angle_mean; });
   line("median mm", [](const ErrorSummary& s) { return kMillimetre * s.position_median; });
   line("p95 mm", [](const ErrorSummary& s) { return kMillimetre * s.position_p95; });
+  for (int v = 0; v < 6; ++v)
+    text += intervalLine(format("in 95%% %s", kOutputs[v]), columns,
+                         [v](const ErrorSummary& s) { return 100.0 * s.coverage95(v); });
+  for (int v = 0; v < 6; ++v)
+    text += intervalLine(format("nlpd %s", kOutputs[v]), columns,
+                         [v](const ErrorSummary& s) { return s.nlpd(v); });
 }
 
 void appendPaper(const MeanStd (&table)[6][6], std::string& text) {
@@ -100,6 +122,12 @@ void appendFolds(const TableOneResult& result, const std::string& configuration,
   }
 }
 
+Json outputsJson(const Eigen::Matrix<double, 6, 1>& values) {
+  Json json;
+  for (int v = 0; v < 6; ++v) json[kOutputs[v]] = values(v);
+  return json;
+}
+
 std::string foldName(int fold) { return fold == kMeanOfFolds ? "mean" : std::to_string(fold); }
 
 }  // namespace
@@ -112,7 +140,9 @@ std::string tableOneText(const TableOneResult& result) {
   std::string text =
       "Table I: mean +- standard deviation of |error| between predicted and real command, on\n"
       "trajectories not used in training. norm: of the three means. in tool: norm of the mean\n"
-      "|translation of inv(predicted) true|, the paper's measure. angle: mean rotation angle.\n";
+      "|translation of inv(predicted) true|, the paper's measure. angle: mean rotation angle.\n"
+      "in 95%: percent of the true (dx dy dz, rx ry rz) inside the predicted 95 % interval.\n"
+      "nlpd: mean negative log predictive density of the same [nat; m, rad].\n";
   for (const bool clean : {false, true}) {
     const char* const set = clean ? "clean" : "dirty";
     for (const std::string& configuration : configurations) {
@@ -151,6 +181,10 @@ std::string tableOneJson(const TableOneResult& result) {
     json["position_p95_mm"] = kMillimetre * row.errors.position_p95;
     json["position_norm_paper_mm"] = kMillimetre * row.errors.position_norm_paper;
     json["angle_mean_deg"] = kDegree * row.errors.angle_mean;
+    if (row.errors.coverage95.allFinite()) {
+      json["coverage95"] = outputsJson(row.errors.coverage95);
+      json["nlpd"] = outputsJson(row.errors.nlpd);
+    }
     json["n_test"] = row.errors.n;
     json["n_train"] = row.n_train;
     rows.push_back(json);

@@ -70,6 +70,7 @@ int runOffline(int argc, char** argv) {
   addEvaluateCommand(app);
   addCompareCommand(app);
   addDiagnoseCommand(app);
+  addRegressCommand(app);
   try {
     app.parse(argc, argv);
     return 0;

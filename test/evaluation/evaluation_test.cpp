@@ -37,6 +37,24 @@ TEST(Summarise, NormsAreOfTheMeans) {
   EXPECT_NEAR(summary.position_median, 0.003, 1e-15);
 }
 
+TEST(Summarise, CountsWhatThePredictedIntervalsCover) {
+  std::vector<PoseError> errors(4);
+  const double residuals[4] = {0.001, -0.0039, 0.0040,
+                               0.0};  // deviation 0.002: 1.96 of it is 0.00392
+  for (std::size_t i = 0; i < 4; ++i) {
+    errors[i].residual.setConstant(residuals[i]);
+    errors[i].deviation.setConstant(0.002);
+  }
+  const ErrorSummary summary = summarise(errors);
+  EXPECT_DOUBLE_EQ(summary.coverage95(0), 0.75);
+  double squares = 0.0;
+  for (const double residual : residuals) squares += std::pow(residual / 0.002, 2) / 4.0;
+  EXPECT_NEAR(summary.nlpd(5), std::log(0.002 * std::sqrt(2.0 * M_PI)) + 0.5 * squares, 1e-12);
+  EXPECT_DOUBLE_EQ(meanOf({summary, summary}).coverage95(3), 0.75);
+  errors[2].deviation(4) = 0.0;  // nothing was predicted: nothing is claimed
+  EXPECT_TRUE(std::isnan(summarise(errors).coverage95(0)));
+}
+
 TEST(Visits, AreMeasuredAtRestAndOutliersDoNotCount) {
   Pose target{{0.01, 0.02, 0.03}, expRotation({0.1, 0.0, 0.0})};
   PoseStream observations;
@@ -133,6 +151,11 @@ TEST(TableOne, TheMeasuredSessionIsCorrectedToOneAndAHalfMillimetres) {
   EXPECT_NEAR(1e3 * none.position_norm, 26.4, 0.3);  // as others measured on this session
   EXPECT_LE(1e3 * full.position_norm, 1.5);
   EXPECT_LE(full.angle_norm * 180.0 / M_PI, 1.5);
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    EXPECT_GE(full.coverage95(k), 0.92) << k;
+    EXPECT_LE(full.coverage95(k), 0.98) << k;
+  }
+  EXPECT_TRUE(std::isnan(none.coverage95(0)));
   EXPECT_NEAR(result.delay, 0.16, 0.02);
   EXPECT_EQ(result.identity_commands, 346u);  // counted in the README of the data set
   EXPECT_EQ(result.fates.total(), 26274u);

@@ -95,7 +95,7 @@ TEST(Dense, CholeskyNamesTheFirstBadPivot) {
 
 TEST(Dense, SolvesAndTriangularProducts) {
   for (const Eigen::Index n : kSizes)
-    for (const Eigen::Index columns : {1, 3, 4, 70}) {
+    for (const Eigen::Index columns : {1, 3, 4, 6, 8, 9, 70}) {
       const Eigen::MatrixXd L = lowerTriangle(n);
       const Eigen::MatrixXd T = clean(L);
       const Eigen::MatrixXd X = normalMatrix(n, columns, 5);
@@ -112,6 +112,15 @@ TEST(Dense, SolvesAndTriangularProducts) {
       multiplyLower(Transpose::kYes, n, columns, L.data(), n, B.data(), n);
       EXPECT_LT(largest(B - T.transpose() * X), 1e-11) << n;
     }
+}
+
+TEST(Dense, ManyRowsForFewColumnsAreSolvedByThreads) {
+  const Eigen::Index n = 2600;
+  const Eigen::MatrixXd L = lowerTriangle(n);
+  const Eigen::MatrixXd X = normalMatrix(n, 6, 5);
+  Eigen::MatrixXd B = clean(L).transpose() * X;
+  solveLower(Transpose::kYes, n, 6, L.data(), n, B.data(), n);
+  EXPECT_LT(largest(B - X), 1e-9);
 }
 
 TEST(Dense, InversesOfATriangleAndOfItsProduct) {

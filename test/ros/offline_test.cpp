@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "raven_correction/correction/training.h"
 #include "raven_correction/dataset/csv.h"
@@ -204,6 +205,63 @@ TEST_F(OfflineTest, BadInputIsExitCodeTwoWithTheReasonAndNothingWritten) {
   EXPECT_EQ(offline({"fly"}).code, 2);
   EXPECT_EQ(offline({"train"}).code, 2);
   EXPECT_EQ(offline({"--help"}).code, 0);
+}
+
+/// A straight line in the first of two features.
+void writeLine(const std::string& file, int rows, double from) {
+  std::ofstream out(file);
+  out << "a,b,y\n";
+  for (int i = 0; i < rows; ++i) {
+    const double a = from + 0.05 * i;
+    out << a << ',' << (i * 7) % 5 << ',' << 3.0 * a + 2.0 << '\n';
+  }
+}
+
+TEST(OfflineRegress, WritesWhatItFound) {
+  const TemporaryDirectory folder;
+  const std::string train = folder.path() + "/train.csv", test = folder.path() + "/test.csv";
+  const std::string json = folder.path() + "/result.json";
+  writeLine(train, 60, 0.0);
+  writeLine(test, 40, 0.02);
+  for (const std::string backend : {"exact", "sparse"}) {
+    const Outcome outcome =
+        offline({"regress", "--train", train, "--test", test, "--targets", "1", "--kernel",
+                 "squared_exponential", "--backend", backend, "--json", json});
+    ASSERT_EQ(outcome.code, 0) << outcome.text;
+    const auto result = nlohmann::json::parse(std::ifstream(json));
+    ASSERT_EQ(result["outputs"].size(), 1u);
+    for (const char* const key : {"smse", "rmse", "nlpd", "coverage95"})
+      EXPECT_TRUE(result["outputs"][0][key].is_number()) << key;
+    EXPECT_LT(result["outputs"][0]["smse"], 1e-3);
+    for (const char* const key : {"hyperparameters", "posterior", "predict"})
+      EXPECT_GE(result["seconds"][key], 0.0) << key;
+    EXPECT_TRUE(result["log_marginal_likelihood"].is_number());
+    EXPECT_EQ(result["n_train"], 60);
+    EXPECT_EQ(result["n_test"], 40);
+    EXPECT_EQ(result["backend"], backend);
+    EXPECT_EQ(result["kernel"], "squared_exponential");
+  }
+}
+
+TEST(OfflineRegress, BadTablesAndNamesAreExitCodeTwo) {
+  const TemporaryDirectory folder;
+  const std::string train = folder.path() + "/train.csv", test = folder.path() + "/test.csv";
+  writeLine(train, 30, 0.0);
+  writeLine(test, 10, 0.0);
+  const auto regress = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"regress", "--train", train, "--test", test};
+    words.insert(words.end(), more.begin(), more.end());
+    return offline(words);
+  };
+  EXPECT_EQ(regress({}).code, 2);  // --targets is missing
+  expectRefused(regress({"--targets", "3"}), "at least one target and one feature");
+  expectRefused(regress({"--targets", "1", "--kernel", "cubic"}), "matern52");
+  expectRefused(regress({"--targets", "1", "--backend", "nystrom"}), "exact or sparse");
+  expectRefused(regress({"--targets", "1", "--exact-points", "0"}), "max_exact_points = 0");
+  std::ofstream(test) << "a,c,y\n1,2,3\n";
+  expectRefused(regress({"--targets", "1"}), "different columns");
+  std::ofstream(test) << "a,b,y\n1,nan,3\n";
+  expectRefused(regress({"--targets", "1"}), "test.csv");
 }
 
 TEST_F(OfflineTest, AnExistingModelIsKept) {

@@ -20,9 +20,11 @@ struct Prediction {
   };
   Status status = Status::kModelFault;
   Pose command;
-  Pose rigid;                                             ///< G alone
-  Eigen::Vector3d sd_position = Eigen::Vector3d::Zero();  ///< of dp, base frame [m]
-  Eigen::Vector3d sd_rotation = Eigen::Vector3d::Zero();  ///< of r [rad]
+  Pose rigid;  ///< G alone
+  /// Standard deviations of the command that will turn out to be the right one, in its dp (base
+  /// frame) and r: of the latent function and of what no feature explains. Zero without H.
+  Eigen::Vector3d sd_position = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d sd_rotation = Eigen::Vector3d::Zero();  ///< [rad]
   double h_share = 0.0;                                   ///< share of H in the command, 0 to 1
   double g_share = 0.0;  ///< share of the correction in the command, 0 to 1
 };
@@ -44,7 +46,7 @@ class Predictor {
   /// No allocation, lock or throw.
   ///
   ///   w_H = 1 - smoothstep(rho; fade_start, fade_end), rho the largest ratio of predicted to prior
-  ///         deviation of the outputs
+  ///         deviation of the latent outputs
   ///   w_G = 1 - smoothstep(distance to the workspace box; margin, 2 margin)
   ///   command = x moved towards (G x moved towards F x by w_H) by w_G
   Prediction predict(const Motion& motion, Workspace& workspace) const noexcept;
@@ -52,6 +54,7 @@ class Predictor {
  private:
   Correction model_;
   std::unique_ptr<const GpPredictor> process_;  ///< null where the model is rigid only
+  Eigen::Matrix<double, 6, 1> noise_variance_ = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
 }  // namespace raven_correction

@@ -18,6 +18,10 @@ struct PoseError {
   /// Translation of inv(predicted) true: the measure of Mahler et al. 2014 [m].
   Eigen::Vector3d position_in_tool = Eigen::Vector3d::Zero();
   double angle = 0.0;  ///< of inv(R_predicted) R_true, in [0, pi] [rad]
+  /// Of the six outputs of the process (dp, r; model.h): true minus predicted, and the standard
+  /// deviation that was predicted for it [m, rad]. Zero deviation: nothing was.
+  Eigen::Matrix<double, 6, 1> residual = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> deviation = Eigen::Matrix<double, 6, 1>::Zero();
 };
 PoseError poseError(const Pose& predicted, const Pose& truth);
 
@@ -33,6 +37,10 @@ struct ErrorSummary {
   double position_p95 = 0.0;                ///< of the Euclidean errors [m]
   double position_norm_paper = 0.0;  ///< norm of the mean absolute errors in the tool frame [m]
   double angle_mean = 0.0;           ///< of the rotation angles [rad]
+  /// Of the outputs of the process (PoseError::residual); NaN where no deviations were predicted.
+  Eigen::Matrix<double, 6, 1> coverage95;  ///< share inside +- 1.96 deviations [-]
+  Eigen::Matrix<double, 6, 1> nlpd;        ///< mean negative log predictive density [nat; m, rad]
+  ErrorSummary();
 };
 /// All zero, n = 0, for an empty list.
 ErrorSummary summarise(const std::vector<PoseError>& errors);

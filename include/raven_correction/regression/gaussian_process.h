@@ -30,7 +30,7 @@ struct GpConfig {
   std::vector<std::vector<int>> groups;
   int max_hyper_points = 1000;  ///< rows that the hyper-parameters are learnt on, chosen by seed
   int max_exact_points = 4000;  ///< kExact: rows of the posterior, chosen by seed
-  /// kExact: how many of them, chosen by seed, the variance uses; 0: all.
+  /// kExact: how many of them the variance uses, chosen by exact_statistics.h; 0: all.
   int exact_variance_points = 0;
   int inducing_points = 1000;       ///< kSparse: size of the inducing set of each group
   int variance_points = 500;        ///< kSparse: how many of them the variance uses; 0: all
@@ -73,8 +73,9 @@ struct GpFitReport {
     int iterations = 0;
   };
   std::vector<Group> groups;
-  int rows = 0;       ///< given
-  int rows_used = 0;  ///< in the posterior
+  int rows = 0;            ///< given
+  int rows_learnt_on = 0;  ///< the hyper-parameters
+  int rows_used = 0;       ///< in the posterior
   double seconds_hyperparameters = 0.0;
   double seconds_posterior = 0.0;
 };
@@ -82,6 +83,7 @@ struct GpFitReport {
 struct GpFit {
   GpModel model;
   GpFitReport report;
+  std::vector<Eigen::Index> posterior_rows;  ///< that the posterior is conditioned on, in order
 };
 
 /// Learns hyper-parameters by maximum log marginal likelihood, then the posterior.

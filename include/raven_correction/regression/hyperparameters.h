@@ -58,7 +58,9 @@ struct HyperParameterResult {
 ///
 /// Features are centred and divided by their standard deviation (one common scale unless ARD),
 /// targets by their root mean square; a feature that is constant takes no part. Starts: the best,
-/// on up to 256 rows, of four length scales around sqrt(d) and three noise ratios. Bounds: length
+/// on up to 256 rows, of four length scales around sqrt(d) and three noise ratios. The search goes
+/// from coarse to fine: restarts on every 4^k-th row, the best of them on four times as many, until
+/// all rows take part (`converged`, `iterations`: of that last one). Bounds: length
 /// scales 1e-2 to 1e4 deviations, noise ratio 1e-8 to 1e3. (kValidation: one start, at most 40
 /// iterations, log lengths -2 to 6, noise ratio 1e-5 to 10.) A search that stops early is data
 /// (`converged`, `message`), and its best point is used.

@@ -34,6 +34,8 @@ class MarginalLikelihood {
   /// Number of parameters: log l_1 ... log l_d (or log l), log rho.
   Eigen::Index parameters() const { return (ard_ ? points_.rows() : 1) + 1; }
 
+  const Eigen::MatrixXd& targets() const { return targets_; }
+
   /// @param log_parameters  in the order of parameters()
   /// @param gradient        resized; may be null
   /// @return the log marginal likelihood [nat]; -infinity where K has no Cholesky factor

@@ -4,10 +4,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 namespace raven_correction {
 
 enum class MeanType { kZero, kConstant, kLinear };
+/// "zero", "constant", "linear".
+/// @throws InvalidInput  for any other name; the text lists these
+MeanType meanFromName(const std::string& name);
 
 /// Basis of the mean at each point: n x 0, n x 1 (ones) or n x (1 + d) ([1 x']).
 /// @param points  d x n

@@ -80,6 +80,18 @@ class SparseStatistics {
   double rows_ = 0.0;
 };
 
+/// Cholesky factor of C(X, X) + ridge I.
+/// @param scaled  d x n points in units of the length scales
+/// @param K       resized to n x n; the factor in its lower triangle
+/// @return jitter that had to be added to the diagonal, too [-]
+/// @throws InvalidInput  not positive definite with any jitter
+double factorCorrelation(KernelType kernel, const Eigen::MatrixXd& scaled, double ridge,
+                         Eigen::MatrixXd& K);
+
+/// @param points  d x n;  targets: n x outputs of the group
+/// @throws InvalidInput  sizes do not fit together
+void checkRows(const Eigen::MatrixXd& points, const Eigen::MatrixXd& targets, const GpGroup& group);
+
 /// Columns of n x q targets that belong to the group, in its order.
 Eigen::MatrixXd groupTargets(const GpGroup& group, const Eigen::MatrixXd& targets);
 

@@ -30,8 +30,13 @@ struct RegressResult {
   double seconds_variance = 0.0;  ///< variances of the first rows
   Eigen::Index n_train = 0;
   Eigen::Index n_test = 0;
+  Eigen::Index n_variance = 0;  ///< test rows whose nlpd and coverage95 were scored
   GpFitReport report;
 };
+
+/// What `offline regress` does unless it is told otherwise: the exact posterior on all rows (12,000
+/// at most), hyper-parameters by marginal likelihood.
+GpConfig regressDefaults();
 
 /// The mean of each target is taken off before and put back after the fit.
 /// @throws InvalidInput  tables of different width, no feature left, or see fitGp()
