@@ -69,6 +69,7 @@ int runOffline(int argc, char** argv) {
   addPredictCommand(app);
   addEvaluateCommand(app);
   addCompareCommand(app);
+  addExperimentCommand(app);
   try {
     app.parse(argc, argv);
     return 0;

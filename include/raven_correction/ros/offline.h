@@ -15,6 +15,7 @@ void addTrainCommand(CLI::App& app);
 void addPredictCommand(CLI::App& app);
 void addEvaluateCommand(CLI::App& app);
 void addCompareCommand(CLI::App& app);
+void addExperimentCommand(CLI::App& app);
 
 /// All commands. Text goes to standard output, progress and errors to standard error.
 /// @return 0 on success, 2 on bad usage or bad input (the text says why), 1 on failure
