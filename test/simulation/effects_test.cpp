@@ -98,13 +98,13 @@ TEST(Effects, SpeedLimitIsAStraightLine) {
 }
 
 // Full speed until the rest of the way takes T, then the exponential of the lag: exact for any
-// step.
+// step. The one becomes the other at 1.9008 s, within a step.
 TEST(Effects, MotorSaturationIsALineAndThenALag) {
   for (const double step : {1e-3, 0.07, 0.3}) {
     Stage stage("motor_saturation", {{"T[shoulder]", 0.1}, {"v[shoulder]", 0.5}});
     for (double t = step; t < 3.0; t += step) {
-      const double expected = t < 1.9 ? 0.5 * t : 1.0 - 0.05 * std::exp(-(t - 1.9) / 0.1);
-      EXPECT_NEAR(stage.drive("shoulder", 1.0, step), expected, 1e-12) << t;
+      const double expected = t < 1.9008 ? 0.5 * t : 1.0004 - 0.05 * std::exp(-(t - 1.9008) / 0.1);
+      EXPECT_NEAR(stage.drive("shoulder", 1.0004, step), expected, 1e-12) << t;
     }
   }
   Stage lag("motor_saturation", {{"T[shoulder]", 0.2}});
