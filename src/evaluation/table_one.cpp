@@ -54,6 +54,7 @@ struct Split {
   const TrainingConfig& config;
   const CleanGates& gates;
   int fold;
+  const TableOneObserver& observer;
 };
 
 std::vector<Rows> rowsOf(const Split& split, const std::function<void(double)>& progress,
@@ -85,8 +86,16 @@ std::vector<Rows> rowsOf(const Split& split, const std::function<void(double)>& 
     Rows both{row, row};
     both.dirty.errors = summarise(errors);
     both.clean.clean = true;
-    both.clean.errors =
-        summarise(pick(errors, cleanStates(states, rigid.model.rigid, split.gates)));
+    const std::vector<bool> is_clean = cleanStates(states, rigid.model.rigid, split.gates);
+    const std::vector<PoseError> clean_errors = pick(errors, is_clean);
+    both.clean.errors = summarise(clean_errors);
+    if (split.observer) {
+      std::vector<TestState> clean_states;
+      for (std::size_t i = 0; i < states.size(); ++i)
+        if (is_clean[i]) clean_states.push_back(states[i]);
+      split.observer(both.dirty, states, errors);
+      split.observer(both.clean, clean_states, clean_errors);
+    }
     if (both.clean.errors.n == 0)
       throw InvalidInput(format(
           "%s: no test state passes the gates of the clean set (%zu states); are commands and "
@@ -161,7 +170,8 @@ TableOneResult crossValidate(const Dataset& dataset, const TableOneProblem& prob
           progress(format("%s, fold %d/%d", name.c_str(), fold, problem.folds),
                    (done + fraction) / parts);
       };
-      append(rowsOf({training, test, name, config, problem.gates, fold}, report, last),
+      append(rowsOf({training, test, name, config, problem.gates, fold, problem.observer}, report,
+                    last),
              result.rows);
       done += 1.0;
     }
@@ -189,7 +199,8 @@ TableOneResult evaluateOn(const Dataset& training, const Dataset& test,
       if (progress)
         progress(name, (done + fraction) / static_cast<double>(problem.configurations.size()));
     };
-    append(rowsOf({training, test, name, config, problem.gates, kMeanOfFolds}, report, last),
+    append(rowsOf({training, test, name, config, problem.gates, kMeanOfFolds, problem.observer},
+                  report, last),
            result.rows);
     done += 1.0;
     describeData(training, config, result);

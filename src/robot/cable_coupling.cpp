@@ -74,6 +74,38 @@ JointVector CableCoupling::quantised(const KinematicChain& chain, const JointVec
   return result;
 }
 
+JointMatrix CableCoupling::motorTravel(const KinematicChain& chain) const {
+  const int finger_1 = placeOf(joints_, "finger_1");
+  const int finger_2 = placeOf(joints_, "finger_2");
+  const bool has_fingers = finger_1 >= 0 && finger_2 >= 0;
+  const Eigen::Index n = chain.size();
+  // Columns of `spread` are the actuated joints that one joint of the chain moves, rows of `gather`
+  // the motors that make up its travel.
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(M_.cols(), n);
+  Eigen::MatrixXd gather = Eigen::MatrixXd::Zero(n, M_.rows());
+  for (int j = 0; j < chain.size(); ++j) {
+    const std::string& name = chain.joints()[static_cast<std::size_t>(j)].name;
+    const int place = placeOf(joints_, name);
+    const int motor = placeOf(motors_, name);
+    if (place >= 0) {
+      spread(place, j) = 1.0;
+      if (motor >= 0) gather(j, motor) = 1.0 / M_(motor, place);
+    } else if (has_fingers) {
+      spread(finger_1, j) = Fingers::from(1.0, 0.0).g1;
+      spread(finger_2, j) = Fingers::from(1.0, 0.0).g2;
+      const int motor_1 = placeOf(motors_, "finger_1");
+      const int motor_2 = placeOf(motors_, "finger_2");
+      if (motor_1 < 0 || motor_2 < 0) continue;
+      gather(j, motor_1) = -0.5 / M_(motor_1, finger_1);
+      gather(j, motor_2) = 0.5 / M_(motor_2, finger_2);
+    }
+  }
+  JointMatrix travel = gather * M_ * spread;
+  for (Eigen::Index j = 0; j < n; ++j)
+    if (gather.row(j).isZero()) travel(j, j) = 1.0;
+  return travel;
+}
+
 CableCoupling loadCableCoupling(const std::string& robot_path) {
   YamlReader file = YamlReader::fromFile(robot_path);
   if (!file.has("transmission")) return {};

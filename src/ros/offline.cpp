@@ -71,6 +71,7 @@ int runOffline(int argc, char** argv) {
   addCompareCommand(app);
   addDiagnoseCommand(app);
   addRegressCommand(app);
+  addExperimentCommand(app);
   try {
     app.parse(argc, argv);
     return 0;

@@ -2,29 +2,17 @@
 // drive_friction: Coulomb friction F_c holds a motor back from its set-point where the controller's
 // proportional gain k_p cannot overcome it: it stops short by up to w/2, w = 2 F_c / k_p, against
 // the motion. Encoders see it (unlike backlash).
-
-#include "raven_correction/simulation/effect_registry.h"
-#include "raven_correction/simulation/play.h"
+#include "play_effect.h"
 
 namespace raven_correction {
 namespace {
 
-class DriveFriction final : public Effect {
+class DriveFriction final : public PlayEffect {
  public:
-  explicit DriveFriction(const KinematicChain& robot) {
-    addJointParameters("w", robot, {"rad", 0.5, "m", 0.05}, Sign::kNotNegative);
-  }
+  using PlayEffect::PlayEffect;
   const char* name() const noexcept override { return "drive_friction"; }
   EffectStage stage() const noexcept override { return EffectStage::kDrive; }
-  const char* equation() const noexcept override { return "q = play(u, w / 2)"; }
   std::unique_ptr<Effect> clone() const override { return std::make_unique<DriveFriction>(*this); }
-
-  void apply(const StepContext& /*context*/, JointVector& memory,
-             JointVector& q) const noexcept override {
-    for (int j = 0; j < static_cast<int>(q.size()); ++j)
-      q(j) = play(q(j), memory(j), 0.5 * value(j));
-    memory = q;
-  }
 };
 
 }  // namespace

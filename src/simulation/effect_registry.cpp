@@ -11,6 +11,7 @@
   EFFECT(SpeedLimit)                     \
   EFFECT(TrackingLag)                    \
   EFFECT(DriveFriction)                  \
+  EFFECT(MotorSaturation)                \
   EFFECT(JointGain)                      \
   EFFECT(JointCoupling)                  \
   EFFECT(PulleyEccentricity)             \

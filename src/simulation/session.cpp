@@ -10,9 +10,10 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kStart = 1000.0;  // stamp of a session's first command; 0 would mean "invalid"
-constexpr double kBetween = 0.3;   // pause between two trajectories [s]
-constexpr double kSettle = 1.0;    // before the first command [s]
+constexpr double kStart = 1000.0;    // stamp of a session's first command; 0 would mean "invalid"
+constexpr double kBetween = 0.3;     // pause between two trajectories [s]
+constexpr double kSettle = 1.0;      // before the first command [s]
+constexpr double kSamePlace = 0.03;  // a recording that starts so near began a little late [m]
 constexpr double kFragmentMass = 5e-4;  // of a piece of foam [kg]
 
 bool isCommand(const StampedPose& command) {
@@ -143,6 +144,7 @@ Dataset simulateCommands(const SimulationConfig& config, const Dataset& measured
   dataset.frame = measured.frame;
   dataset.arm = measured.arm;
   bool first = true;
+  Pose last;
   for (const Trajectory& source : measured.trajectories) {
     const auto start = std::find_if(source.commands.begin(), source.commands.end(), isCommand);
     if (start == source.commands.end())
@@ -158,10 +160,11 @@ Dataset simulateCommands(const SimulationConfig& config, const Dataset& measured
                            " for " + config.robot.name());
       recorder.startAt(begin - kSettle);
       first = false;
-    } else {
+    } else if ((start->pose.p - last.p).norm() > kSamePlace) {
       // The arm goes to where this recording starts while nobody records.
       recorder.arm().command({recorder.arm().time(), start->pose});
     }
+    last = std::find_if(source.commands.rbegin(), source.commands.rend(), isCommand)->pose;
     recorder.record(trajectory);
     dataset.trajectories.push_back(std::move(trajectory));
   }

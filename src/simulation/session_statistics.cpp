@@ -22,25 +22,33 @@ constexpr double kDegree = 57.295779513082321;
 
 struct Pairs {
   std::vector<Pose> observations;
-  std::vector<Pose> commands;
+  std::vector<PairResidual> residuals;  // position and angle still 0
+  FateCounts fates;
 };
 
-Pairs makePairs(const Dataset& dataset, double delay, SessionStatistics& statistics) {
+Pairs makePairs(const Dataset& dataset, double delay) {
   SynchronisationOptions options;
   options.delay = delay;
   Pairs pairs;
-  FateCounts fates;
+  std::size_t number = 0;
   for (const SynchronisedTrajectory& trajectory : synchronise(dataset, options)) {
-    fates += trajectory.fates;
+    pairs.fates += trajectory.fates;
+    const StampedPose* before = nullptr;
     for (const CommandPair& pair : trajectory.pairs) {
-      pairs.observations.push_back(trajectory.observations.samples[pair.sample].pose);
-      pairs.commands.push_back(pair.command);
+      const StampedPose& observation = trajectory.observations.samples[pair.sample];
+      PairResidual residual;
+      residual.trajectory = number;
+      residual.command = pair.command;
+      if (before != nullptr)
+        residual.speed = (pair.command.p - pairs.residuals.back().command.p).norm() /
+                         (observation.stamp - before->stamp);
+      pairs.observations.push_back(observation.pose);
+      pairs.residuals.push_back(residual);
+      before = &observation;
     }
+    ++number;
   }
-  if (pairs.commands.empty()) throw InvalidInput("no pair of command and observation to look at");
-  statistics.pairs = pairs.commands.size();
-  statistics.repeated_share =
-      static_cast<double>(fates[Fate::kRepeated]) / static_cast<double>(fates.total());
+  if (pairs.residuals.empty()) throw InvalidInput("no pair of command and observation to look at");
   return pairs;
 }
 
@@ -48,21 +56,22 @@ void addRawErrors(const Pairs& pairs, SessionStatistics& statistics) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::vector<double> distances;
   std::vector<double> angles;
-  for (std::size_t i = 0; i < pairs.commands.size(); ++i) {
-    const Eigen::Vector3d error = pairs.observations[i].p - pairs.commands[i].p;
+  for (std::size_t i = 0; i < pairs.residuals.size(); ++i) {
+    const Pose& command = pairs.residuals[i].command;
+    const Eigen::Vector3d error = pairs.observations[i].p - command.p;
     sum += error.cwiseAbs();
     distances.push_back(error.norm());
-    angles.push_back(rotationAngle(pairs.commands[i].q, pairs.observations[i].q));
+    angles.push_back(rotationAngle(command.q, pairs.observations[i].q));
   }
-  statistics.raw_position_norm = (sum / static_cast<double>(pairs.commands.size())).norm();
+  statistics.raw_position_norm = (sum / static_cast<double>(distances.size())).norm();
   statistics.raw_position_median = median(distances);
   statistics.raw_angle_median = median(angles);
 }
 
 /// Rigid fit of the positions to the pairs that it explains best; residuals of all of them.
-Pose fitTrimmed(const Pairs& pairs, std::vector<double>& residuals) {
-  const std::size_t n = pairs.commands.size();
-  residuals.assign(n, 0.0);
+Pose fitTrimmed(Pairs& pairs) {
+  const std::size_t n = pairs.residuals.size();
+  std::vector<double> residuals(n, 0.0);
   Pose X;
   double limit = 1.0;
   for (int round = 0; round < kRounds; ++round) {
@@ -71,25 +80,23 @@ Pose fitTrimmed(const Pairs& pairs, std::vector<double>& residuals) {
     for (std::size_t i = 0; i < n; ++i) {
       if (round > 0 && residuals[i] > limit) continue;
       problem.from.push_back(pairs.observations[i]);
-      problem.to.push_back(pairs.commands[i]);
+      problem.to.push_back(pairs.residuals[i].command);
     }
     X = fitRigid(problem).X_b_a;
     for (std::size_t i = 0; i < n; ++i)
-      residuals[i] = (X * pairs.observations[i].p - pairs.commands[i].p).norm();
+      residuals[i] = (X * pairs.observations[i].p - pairs.residuals[i].command.p).norm();
     limit = quantile(residuals, kTrimmed);
   }
+  for (std::size_t i = 0; i < n; ++i) pairs.residuals[i].position = residuals[i];
   return X;
 }
 
-void addRigidErrors(const Pairs& pairs, SessionStatistics& statistics) {
-  std::vector<double> residuals;
-  const Pose X = fitTrimmed(pairs, residuals);
-  statistics.rigid_position_median = median(residuals);
-  statistics.rigid_position_p95 = quantile(residuals, 0.95);
+void fitRigidly(Pairs& pairs) {
+  const Pose X = fitTrimmed(pairs);
   // What remains of the orientation is the markers' place on the tool: one rotation for all.
   std::vector<Eigen::Quaterniond> turns;
-  for (std::size_t i = 0; i < pairs.commands.size(); ++i)
-    turns.push_back((X.q * pairs.observations[i].q).conjugate() * pairs.commands[i].q);
+  for (std::size_t i = 0; i < pairs.residuals.size(); ++i)
+    turns.push_back((X.q * pairs.observations[i].q).conjugate() * pairs.residuals[i].command.q);
   Eigen::Quaterniond tool = meanRotation(turns);
   for (int round = 0; round < kRounds; ++round) {
     std::vector<Eigen::Quaterniond> near;
@@ -98,19 +105,28 @@ void addRigidErrors(const Pairs& pairs, SessionStatistics& statistics) {
     if (near.empty()) break;
     tool = meanRotation(near);
   }
+  for (std::size_t i = 0; i < turns.size(); ++i)
+    pairs.residuals[i].angle = rotationAngle(tool, turns[i]);
+}
+
+void addRigidErrors(const Pairs& pairs, SessionStatistics& statistics) {
+  std::vector<double> positions;
   std::vector<double> angles;
   std::size_t wrong = 0;
-  for (const Eigen::Quaterniond& turn : turns) {
-    angles.push_back(rotationAngle(tool, turn));
-    if (angles.back() > kWrong) ++wrong;
+  for (const PairResidual& residual : pairs.residuals) {
+    positions.push_back(residual.position);
+    angles.push_back(residual.angle);
+    if (residual.angle > kWrong) ++wrong;
   }
+  statistics.rigid_position_median = median(positions);
+  statistics.rigid_position_p95 = quantile(positions, 0.95);
   statistics.angle_median = median(angles);
   statistics.angle_p95 = quantile(angles, 0.95);
   statistics.wrong_share = static_cast<double>(wrong) / static_cast<double>(angles.size());
 }
 
 void addTiming(const Dataset& dataset, SessionStatistics& statistics) {
-  std::vector<double> periods;
+  const std::vector<double> periods = observationIntervals(dataset);
   std::size_t steps = 0;
   std::size_t gaps = 0;
   std::size_t jumps = 0;
@@ -119,7 +135,6 @@ void addTiming(const Dataset& dataset, SessionStatistics& statistics) {
     for (std::size_t k = 1; k < stream.size(); ++k) {
       const double period = stream[k].stamp - stream[k - 1].stamp;
       ++steps;
-      if (period > 0.0) periods.push_back(period);
       if (period > kGap) ++gaps;
       if ((stream[k].pose.p - stream[k - 1].pose.p).norm() > kJump) ++jumps;
     }
@@ -144,10 +159,31 @@ void addEncoders(const Dataset& dataset, SessionStatistics& statistics) {
 
 }  // namespace
 
+std::vector<PairResidual> pairResiduals(const Dataset& dataset, double delay) {
+  Pairs pairs = makePairs(dataset, delay);
+  fitRigidly(pairs);
+  return pairs.residuals;
+}
+
+std::vector<double> observationIntervals(const Dataset& dataset) {
+  std::vector<double> intervals;
+  for (const Trajectory& trajectory : dataset.trajectories)
+    for (std::size_t k = 1; k < trajectory.observations.size(); ++k) {
+      const double interval =
+          trajectory.observations[k].stamp - trajectory.observations[k - 1].stamp;
+      if (interval > 0.0) intervals.push_back(interval);
+    }
+  return intervals;
+}
+
 SessionStatistics sessionStatistics(const Dataset& dataset) {
   SessionStatistics statistics;
   statistics.delay = estimateDelay(dataset, {}).delay;
-  const Pairs pairs = makePairs(dataset, statistics.delay, statistics);
+  Pairs pairs = makePairs(dataset, statistics.delay);
+  fitRigidly(pairs);
+  statistics.pairs = pairs.residuals.size();
+  statistics.repeated_share =
+      static_cast<double>(pairs.fates[Fate::kRepeated]) / static_cast<double>(pairs.fates.total());
   addRawErrors(pairs, statistics);
   addRigidErrors(pairs, statistics);
   addTiming(dataset, statistics);

@@ -27,6 +27,7 @@ SimulatedArm::SimulatedArm(const SimulationConfig& config, double start)
     X_tool_observed_ = X_tool_observed_ * effect->tool();
     needs_load_ = needs_load_ || effect->needsLoad();
   }
+  if (!config_.coupling.empty()) motor_travel_ = config_.coupling.motorTravel(config_.robot);
   reset(start);
 }
 
@@ -46,9 +47,9 @@ void SimulatedArm::reset(double start, const JointVector& joints) {
   state_.last_stamp = -std::numeric_limits<double>::infinity();
   state_.memory.assign(config_.effects.size(), joints);
   // Whatever comes in is what an effect remembers: every play in its middle, every lag at rest.
-  const StepContext context{0.0, config_.step, config_.robot.home(), load()};
+  const JointVector at_rest = load();
   JointVector q = joints;
-  runStages(context, true, q);
+  runStages(contextOf(start, config_.step, at_rest), true, q);
 }
 
 IkStatus SimulatedArm::reset(double start, const Pose& X_base_tool) {
@@ -130,8 +131,15 @@ void SimulatedArm::runStages(const StepContext& context, bool at_reset, JointVec
   state_.joint = q;
 }
 
+StepContext SimulatedArm::contextOf(double end, double step,
+                                    const JointVector& load) const noexcept {
+  return {end - state_.start, step, config_.robot.home(), load,
+          motor_travel_.size() > 0 ? &motor_travel_ : nullptr};
+}
+
 void SimulatedArm::step(double end) noexcept {
-  const StepContext context{end - state_.start, end - state_.time, config_.robot.home(), load()};
+  const JointVector now = load();
+  const StepContext context = contextOf(end, end - state_.time, now);
   state_.time = end;
   state_.setpoint = setpointAt(end);
   JointVector q = state_.setpoint;

@@ -61,6 +61,24 @@ TEST(CableCoupling, RoundTrip) {
   EXPECT_TRUE(shippedCoupling("psm").empty());
 }
 
+// The published Berkeley ratios: what a motor turns, in units of its joint, when other joints move.
+TEST(CableCoupling, MotorTravelInJointUnits) {
+  const KinematicChain chain = shippedRobot("raven2_left");
+  const JointMatrix travel = shippedCoupling("raven2_left").motorTravel(chain);
+  const auto at = [&](const char* motor, const char* joint) {
+    return travel(chain.indexOf(motor), chain.indexOf(joint));
+  };
+  for (int j = 0; j < 6; ++j) EXPECT_NEAR(travel(j, j), 1.0, 1e-12);
+  EXPECT_NEAR(at("elbow", "shoulder"), 0.145567, 1e-6);
+  EXPECT_NEAR(at("insertion", "elbow"), 0.007905, 1e-6);
+  EXPECT_NEAR(at("tool_roll", "insertion"), 138.196, 1e-3);
+  EXPECT_NEAR(at("tool_roll", "elbow"), 1.09244, 1e-5);
+  EXPECT_NEAR(at("wrist_pitch", "insertion"), 92.4055, 1e-3);
+  EXPECT_NEAR(at("wrist_yaw", "insertion"), 0.0, 1e-12) << "both fingers turn alike";
+  EXPECT_EQ(at("shoulder", "insertion"), 0.0);
+  EXPECT_EQ(CableCoupling().motorTravel(chain), JointMatrix::Identity(6, 6));
+}
+
 // Half a count of every motor, taken to the joints, bounds the error; one count of the insertion
 // motor is 0.728 um (published).
 TEST(CableCoupling, QuantisationIsHalfACount) {

@@ -187,6 +187,29 @@ TEST_F(OfflineTest, PredictAnswersEveryRowAndRefusesWhatIsNoPose) {
   EXPECT_EQ(lines[5].find("nan"), std::string::npos) << lines[5];
 }
 
+TEST_F(OfflineTest, ExperimentFidelityWritesItsRows) {
+  const std::string json = folder_.path() + "/fidelity.json";
+  const std::vector<std::string> command{"experiment",
+                                         "fidelity",
+                                         session_,
+                                         "--simulation",
+                                         "config/simulation/raven2_left_case2014.yaml",
+                                         "--config",
+                                         config_,
+                                         "--json",
+                                         json};
+  EXPECT_EQ(offline(command).code, 0);
+  std::ifstream file(json);
+  const nlohmann::json parsed = nlohmann::json::parse(file);
+  ASSERT_GT(parsed["rows"].size(), 50u);
+  EXPECT_EQ(parsed["rows"][0].size(), 4u);
+  for (const char* key : {"quantity", "measured", "simulated", "unit"})
+    EXPECT_TRUE(parsed["rows"][0].contains(key)) << key;
+  EXPECT_EQ(offline({"experiment"}).code, 2);
+  EXPECT_EQ(offline({"experiment", "nothing"}).code, 2);
+  expectRefused(offline({"experiment", "fidelity", session_, "--hold-out", "5/5"}), "5/5");
+}
+
 TEST_F(OfflineTest, BadInputIsExitCodeTwoWithTheReasonAndNothingWritten) {
   expectRefused(offline({"train", "/nowhere", "-o", model_}), "/nowhere");
   expectRefused(offline({"train", session_, "-o", model_, "--config", "/nowhere.yaml"}),

@@ -18,12 +18,13 @@ class Stage {
       : robot_(shippedSimulation("nominal").robot),
         effect_(effectWith(name, robot_, values)),
         memory_(robot_.home()),
-        load_(JointVector::Zero(6)) {}
+        load_(JointVector::Zero(6)),
+        motor_travel_(shippedSimulation("nominal").coupling.motorTravel(robot_)) {}
 
   const KinematicChain& robot() const { return robot_; }
   void setLoad(const JointVector& load) { load_ = load; }
   JointVector apply(JointVector q, double step, double time = 0.0) {
-    effect_->apply({time, step, robot_.home(), load_}, memory_, q);
+    effect_->apply({time, step, robot_.home(), load_, &motor_travel_}, memory_, q);
     return q;
   }
   /// Displacement from home of one joint, driven to `displacement`.
@@ -38,6 +39,7 @@ class Stage {
   std::unique_ptr<Effect> effect_;
   JointVector memory_;
   JointVector load_;
+  JointMatrix motor_travel_;
 };
 
 // Up to 0.1 and back to -0.1 with play of full width 0.02: lags by 0.01 each way, and the turn
@@ -93,6 +95,92 @@ TEST(Effects, SpeedLimitIsAStraightLine) {
   for (int k = 1; k <= 20; ++k)
     EXPECT_NEAR(stage.drive("insertion", 0.01, 0.02), std::min(0.01, 0.001 * k), 1e-14);
   EXPECT_NEAR(stage.drive("insertion", 0.0, 0.02), 0.009, 1e-14);
+}
+
+// Full speed until the rest of the way takes T, then the exponential of the lag: exact for any
+// step. The one becomes the other at 1.9008 s, within a step.
+TEST(Effects, MotorSaturationIsALineAndThenALag) {
+  for (const double step : {1e-3, 0.07, 0.3}) {
+    Stage stage("motor_saturation", {{"T[shoulder]", 0.1}, {"v[shoulder]", 0.5}});
+    for (double t = step; t < 3.0; t += step) {
+      const double expected = t < 1.9008 ? 0.5 * t : 1.0004 - 0.05 * std::exp(-(t - 1.9008) / 0.1);
+      EXPECT_NEAR(stage.drive("shoulder", 1.0004, step), expected, 1e-12) << t;
+    }
+  }
+  Stage lag("motor_saturation", {{"T[shoulder]", 0.2}});
+  EXPECT_NEAR(lag.drive("shoulder", 1.0, 0.3), 1.0 - std::exp(-1.5), 1e-14);
+}
+
+// Load helps the motor one way and hinders it the other way; a load above v stalls it.
+TEST(Effects, MotorSaturationDependsOnLoad) {
+  const auto stage = [](double load_per_shoulder) {
+    return Stage("motor_saturation",
+                 {{"v[elbow]", 0.5}, {"l[elbow]", 0.2}, {"f[elbow<-shoulder]", load_per_shoulder}});
+  };
+  EXPECT_NEAR(stage(0.0).drive("elbow", 1.0, 0.1), 0.07, 1e-14);
+  EXPECT_NEAR(stage(0.0).drive("elbow", -1.0, 0.1), -0.03, 1e-14);
+  Stage away = stage(2.0);
+  const JointVector q =
+      away.robot().home() + 0.05 * JointVector::Unit(6, 0) + JointVector::Unit(6, 1);
+  EXPECT_NEAR(away.apply(q, 0.1)(1) - away.robot().home()(1), 0.08 - 0.145567 * 0.05, 1e-9);
+  Stage stalled = stage(-20.0);
+  EXPECT_NEAR(stalled.apply(q, 0.1)(1) - stalled.robot().home()(1), -0.145567 * 0.05, 1e-9)
+      << "a motor that stands still lets the joint be dragged";
+}
+
+// 0.1 m/s of insertion take 13.8 rad/s of the roll motor. At 5 rad/s the tool is dragged along by
+// the rest; when the insertion stops it comes back at 5 rad/s. With a lag alone it is behind by its
+// T.
+TEST(Effects, MotorSaturationDragsTheRoll) {
+  constexpr double kTravel = 138.196;  // rad of roll per metre of insertion, published
+  for (const double step : {1e-3, 0.02}) {
+    Stage stage("motor_saturation", {{"v[tool_roll]", 5.0}});
+    const KinematicChain& robot = stage.robot();
+    const int roll = robot.indexOf("tool_roll");
+    const int insertion = robot.indexOf("insertion");
+    JointVector q = robot.home();
+    JointVector moved = q;
+    for (int k = 1; k <= std::lround(0.2 / step); ++k) {
+      q(insertion) = robot.home()(insertion) - 0.1 * step * k;
+      moved = stage.apply(q, step);
+    }
+    const double dragged = (0.1 * kTravel - 5.0) * 0.2;
+    EXPECT_NEAR(moved(roll), dragged, 1e-5);
+    EXPECT_NEAR(moved(insertion), q(insertion), 1e-15);
+    for (int k = 1; k <= std::lround(0.1 / step); ++k) moved = stage.apply(q, step);
+    EXPECT_NEAR(moved(roll), dragged - 0.5, 1e-5);
+    for (int k = 1; k <= std::lround(0.4 / step); ++k) moved = stage.apply(q, step);
+    EXPECT_NEAR(moved(roll), 0.0, 1e-12);
+  }
+  Stage lag("motor_saturation", {{"T[tool_roll]", 0.02}});
+  JointVector q = lag.robot().home();
+  JointVector moved = q;
+  for (int k = 1; k <= 300; ++k) {
+    q(3) -= 0.1 * 1e-3;
+    moved = lag.apply(q, 1e-3);
+  }
+  EXPECT_NEAR(moved(2), 0.1 * kTravel * 0.02, 0.1 * kTravel * 0.5e-3);  // half a step of 1 ms
+}
+
+// In the arm: encoders and tool both see it, and the robot's file says which cables are coupled.
+TEST(Effects, EncodersSeeMotorSaturation) {
+  SimulationConfig config = simulationWith("motor_saturation", {{"v[tool_roll]", 5.0}});
+  for (const bool coupled : {true, false}) {
+    if (!coupled) config.coupling = CableCoupling();
+    SimulatedArm arm(config, 0.0);
+    JointVector q = config.robot.home();
+    for (int k = 1; k <= 50; ++k) {
+      q(3) -= 0.002;
+      arm.command({0.02 * k, config.robot.forward(q)});
+    }
+    arm.advanceTo(0.5);
+    const double roll = arm.motorJoints()(2);
+    if (coupled)
+      EXPECT_GT(roll, 1.0);
+    else
+      EXPECT_NEAR(roll, 0.0, 1e-9);
+    EXPECT_EQ(arm.joints()(2), roll);
+  }
 }
 
 TEST(Effects, CommandDelayShiftsTime) {

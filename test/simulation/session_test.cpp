@@ -35,13 +35,15 @@ TEST(Session, HoldsCompleteTrajectoriesInOrder) {
   const Dataset session = simulateSession(config, 12, 3);
   ASSERT_EQ(session.trajectories.size(), 12u);
   double last = 0.0;
+  double seen = 0.0;
+  double expected = 0.0;
   for (const Trajectory& trajectory : session.trajectories) {
     EXPECT_GT(trajectory.commands.front().stamp, last);
     last = trajectory.commands.back().stamp;
     const double duration = last - trajectory.commands.front().stamp;
     EXPECT_NEAR(static_cast<double>(trajectory.encoders.size()), 50.0 * duration, 2.0);
-    EXPECT_GT(static_cast<double>(trajectory.observations.size()),
-              0.5 * frames_per_second * duration);
+    seen += static_cast<double>(trajectory.observations.size());
+    expected += frames_per_second * duration;
     EXPECT_EQ(trajectory.encoders.size(), trajectory.joint_observations.samples.size());
     EXPECT_EQ(trajectory.commands.size(), trajectory.joint_commands.samples.size());
     EXPECT_EQ(trajectory.joint_commands.names.size(), 6u);
@@ -52,6 +54,9 @@ TEST(Session, HoldsCompleteTrajectoriesInOrder) {
         EXPECT_GE((*stream)[k].stamp, (*stream)[k - 1].stamp);
     }
   }
+  // Dropped frames, gaps, and LEDs that a dragged roll turns away from the cameras.
+  EXPECT_GT(seen, 0.55 * expected);
+  EXPECT_LT(seen, expected);
 }
 
 TEST(Session, SameSeedSameSession) {

@@ -4,7 +4,9 @@
 // Source: Mahler et al. 2014, section V-B, Table I
 #pragma once
 
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "raven_correction/correction/training.h"
@@ -39,11 +41,17 @@ struct TableOneRow {
   std::size_t n_train = 0;  ///< pairs learnt from; over folds: the mean
 };
 
+/// Called with every row as it is made, its errors one by one and the states they belong to; both
+/// lists are in the same order. Lets others judge a table, e.g. by intervals over trajectories.
+using TableOneObserver = std::function<void(const TableOneRow& row, const std::vector<TestState>&,
+                                            const std::vector<PoseError>&)>;
+
 struct TableOneProblem {
   /// Name ("paper", "best") and configuration, one table each. The name is what rows carry.
   std::vector<std::pair<std::string, TrainingConfig>> configurations;
   int folds = 5;
   CleanGates gates;
+  TableOneObserver observer;  ///< may be empty
 };
 
 struct TableOneResult {

@@ -40,6 +40,11 @@ class CableCoupling {
   Eigen::VectorXd quantised(const Eigen::VectorXd& q) const;
   /// The same for the joints of a chain, the fingers at this jaw opening [rad].
   JointVector quantised(const KinematicChain& chain, const JointVector& q, double jaw) const;
+  /// Motor travel in units of the joint that the motor is there for: u = C q, unit diagonal. On a
+  /// Raven, u of the tool roll is q + 138 rad/m q_insertion + 1.1 (q_shoulder + q_elbow). A joint
+  /// without a motor of its name has no entry but its own; the wrist yaw is half the difference of
+  /// the fingers.
+  JointMatrix motorTravel(const KinematicChain& chain) const;
 
  private:
   std::vector<std::string> joints_;

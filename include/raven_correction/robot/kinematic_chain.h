@@ -19,6 +19,9 @@ constexpr int kMaxJoints = 8;
 using JointVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxJoints, 1>;
 /// 6xN: rows linear velocity x y z, angular velocity x y z, in `base`; one column per joint.
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxJoints>;
+/// One row and one column per joint.
+using JointMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, kMaxJoints>;
 
 /// Poses of the links in `base`; the first size() of a chain are used.
 using LinkPoses = std::array<Pose, kMaxJoints>;

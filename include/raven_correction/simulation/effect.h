@@ -43,6 +43,8 @@ struct StepContext {
   double step;              ///< duration of the step, > 0 [s]
   const JointVector& home;  ///< homing position of every joint [rad or m]
   const JointVector& load;  ///< gravity and payload on every joint, positive along +q [Nm or N]
+  /// CableCoupling::motorTravel() of the robot; null where every motor moves one joint.
+  const JointMatrix* motor_travel = nullptr;
 };
 
 /// Base of all effects. An effect is immutable once it is part of a simulation: what it remembers

@@ -25,7 +25,8 @@ Dataset simulateExcitation(const SimulationConfig& config, const ExcitationConfi
 
 /// What the simulated robot would have done under these commands. Trajectories keep their ids and
 /// stamps. Between two of them the arm goes to the first pose of the next and waits there, so plays
-/// keep their history.
+/// keep their history; it stays where it is if that is within 30 mm, because recordings that begin
+/// during a motion begin little after its start.
 /// Commands that are not poses (not finite, identity) are kept in the data, and not executed.
 /// @param measured  only its command streams are read
 /// @throws InvalidInput  no trajectory, or one without a command that the robot can reach

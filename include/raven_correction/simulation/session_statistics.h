@@ -33,6 +33,22 @@ struct SessionStatistics {
 /// @throws InvalidInput  no trajectory has both commands and observations
 SessionStatistics sessionStatistics(const Dataset& dataset);
 
+/// What is left of one pair of command and observation after the two best fixed rotations.
+struct PairResidual {
+  std::size_t trajectory = 0;  ///< index into the data set
+  Pose command;                ///< at the stamp of the observation minus the delay
+  double speed = 0.0;          ///< of the command since the pair before [m/s]; 0 for the first
+  double position = 0.0;       ///< after the rigid fit to the nearest 80 % [m]
+  double angle = 0.0;          ///< after the fixed rotations of base and tool [rad]
+};
+/// The residuals that sessionStatistics() looks at, one by one.
+/// @param delay  of the observation behind the command [s]
+/// @throws InvalidInput  as sessionStatistics()
+std::vector<PairResidual> pairResiduals(const Dataset& dataset, double delay);
+
+/// Intervals between successive observations of the same trajectory, repeated ones left out [s].
+std::vector<double> observationIntervals(const Dataset& dataset);
+
 struct StatisticsRow {
   std::string quantity;
   double measured = 0.0;

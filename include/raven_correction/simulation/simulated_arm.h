@@ -38,9 +38,10 @@ struct ArmState {
 };
 
 /// Deterministic. Every operator is exact for set-points that are held, so results do not depend on
-/// the internal step nor on how often one asks, with two exceptions: backlash behind joint_coupling
-/// (the sum of two joints may turn round within a step) and the load of cable_stretch (it is that
-/// of the step before). Not thread-safe.
+/// the internal step nor on how often one asks, with three exceptions: backlash behind
+/// joint_coupling (the sum of two joints may turn round within a step), the load of cable_stretch
+/// (it is that of the step before) and motor_saturation (the other joints are taken to move on
+/// evenly within a step). Not thread-safe.
 class SimulatedArm {
  public:
   /// Starts at rest at the homing position.
@@ -91,6 +92,7 @@ class SimulatedArm {
  private:
   bool accepts(double stamp) const noexcept;
   void enqueue(double stamp, const JointVector& joints) noexcept;
+  StepContext contextOf(double end, double step, const JointVector& load) const noexcept;
   void step(double end) noexcept;
   void runStages(const StepContext& context, bool at_reset, JointVector& q) noexcept;
   JointVector setpointAt(double time) const noexcept;
@@ -103,6 +105,7 @@ class SimulatedArm {
   Pose X_base_robot_;
   Pose X_tool_observed_;
   bool needs_load_ = false;
+  JointMatrix motor_travel_;  // empty: the robot's file has no transmission
   ArmState state_;
   std::array<std::uint64_t, 5> counts_{};
 };

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// offline experiment NAME: experiments of the paper and of this package. fidelity: how like a
+// measured session the simulation is.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "raven_correction/evaluation/fidelity.h"
+#include "raven_correction/report/fidelity_report.h"
+#include "raven_correction/ros/offline.h"
+#include "raven_correction/ros/session_bag.h"
+
+namespace raven_correction {
+namespace {
+
+struct FidelityArguments {
+  std::string input, simulation, config, hold_out = "0/5", json;
+  std::uint64_t seed = 1;
+};
+
+void fidelity(const FidelityArguments& arguments) {
+  checkOutputFile(arguments.json, true);
+  FidelityProblem problem;
+  problem.simulation = loadSimulationConfig(
+      arguments.simulation.empty() ? packageFile("config/simulation/raven2_left_case2014.yaml")
+                                   : arguments.simulation);
+  problem.training = loadTrainingConfig(
+      arguments.config.empty() ? packageFile("config/trainer.yaml") : arguments.config);
+  problem.hold_out = parseHoldOut(arguments.hold_out);
+  problem.seed = arguments.seed;
+  const FidelityResult result =
+      compareFidelity(readInputs({arguments.input}), problem, showProgress);
+  std::fputs(fidelityText(result).c_str(), stdout);
+  if (!arguments.json.empty()) writeTextFile(arguments.json, fidelityJson(result));
+}
+
+}  // namespace
+
+void addExperimentCommand(CLI::App& app) {
+  CLI::App* const experiment = app.add_subcommand("experiment", "Experiments, by name");
+  experiment->require_subcommand(1);
+  const auto arguments = std::make_shared<FidelityArguments>();
+  CLI::App* const command = experiment->add_subcommand(
+      "fidelity",
+      "Drives the simulation with the measured commands and prints, measured against simulated, on "
+      "trajectories that the simulation was not fitted to: errors, delay, cleaning, timing, errors "
+      "against joints and speed, and Table I");
+  command->add_option("INPUT", arguments->input, "bag or data set directory")->required();
+  command->add_option("--simulation", arguments->simulation,
+                      "default: config/simulation/raven2_left_case2014.yaml of the package");
+  command->add_option("--config", arguments->config,
+                      "training configuration; default: config/trainer.yaml of the package");
+  command->add_option("--hold-out", arguments->hold_out,
+                      "K/N: figures come from trajectory i where i % N == K; default 0/5");
+  command->add_option("--seed", arguments->seed, "of the simulated motion capture; default 1");
+  command->add_option("--json", arguments->json, "write the rows as JSON");
+  command->callback([arguments] { fidelity(*arguments); });
+}
+
+}  // namespace raven_correction
