@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kLeastStructure = 0.05;  // of the squares of what is left: below it, noise [-]
 constexpr double kLeastGroup = 0.03;      // and of one group of features [-]
+constexpr double kBeyondNoise = 1.4;      // residual over noise floor: more is structure [-]
 constexpr int kResamples = 1000;
 
 std::vector<bool> motionsOfFold(int motions, int folds, int fold) {
@@ -89,6 +90,17 @@ Gain gainOf(const ResidualLayout& layout, const Eigen::VectorXd& before,
   return result;
 }
 
+bool isBeyondNoise(const ResidualLayout& layout, const Eigen::VectorXd& residual,
+                   const Eigen::VectorXd& floor) {
+  const Eigen::VectorXd scale = channelScales(layout, residual);
+  for (std::size_t c = 0; c < layout.channels.size(); ++c) {
+    const auto k = static_cast<Eigen::Index>(c);
+    if (!layout.channels[c].encoder && floor(k) > 0.0 && scale(k) > kBeyondNoise * floor(k))
+      return true;
+  }
+  return false;
+}
+
 bool isAlignment(const Cause& cause) {
   return cause.hypothesis.effect == "base_registration" || cause.hypothesis.effect == "tool_offset";
 }
@@ -145,9 +157,13 @@ void cutIntoBlocks(int least, Recording& recording) {
   recording.motions = std::move(cut);
 }
 
-void judgeWhatIsLeft(Verdict& verdict) {
+/// @param beyond_noise  what is left is larger than the noise from sample to sample: it is
+/// structure,
+///        whether or not the features predict it (a table that sways, a joint that rings)
+void judgeWhatIsLeft(bool beyond_noise, Verdict& verdict) {
   const Dependence& anything = verdict.left.anything;
-  verdict.unexplained = anything.lower > 0.0 && anything.share > kLeastStructure;
+  const bool predicted = anything.lower > 0.0 && anything.share > kLeastStructure;
+  verdict.unexplained = predicted || beyond_noise;
   if (!verdict.unexplained) return;
   std::vector<Dependence> groups = verdict.left.groups;
   std::stable_sort(groups.begin(), groups.end(),
@@ -222,8 +238,8 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.shown =
       residualDependence(recording, layout, before, joints, verdict.folds, verdict.seed);
   verdict.left = residualDependence(recording, layout, after, joints, verdict.folds, verdict.seed);
-  judgeWhatIsLeft(verdict);
   const Eigen::VectorXd floor = noiseFloor(recording, layout, after);
+  judgeWhatIsLeft(isBeyondNoise(layout, after, floor), verdict);
   for (std::size_t c = 0; c < layout.channels.size(); ++c) {
     const double value = floor(static_cast<Eigen::Index>(c));
     if (layout.channels[c].encoder) continue;

@@ -26,6 +26,13 @@ constexpr Shape kShapes[] = {{"creep", "T", false, false},
                              {"pulley_eccentricity", "phi", false, false},
                              {"registration_shift", "t0", true, false}};
 
+constexpr char kMotorSaturation[] = "motor_saturation";
+
+/// Parameters that are no hypothesis of their own, see allHypotheses().
+bool isLeftOut(const std::string& effect, const std::string& symbol) {
+  return effect == kMotorSaturation && symbol != "T" && symbol != "v";
+}
+
 const Shape* shapeOf(const std::string& effect, const std::string& symbol) {
   for (const Shape& shape : kShapes)
     if (effect == shape.effect && symbol == shape.symbol) return &shape;
@@ -67,6 +74,7 @@ void addHypothesesOf(const Effect& effect, const RecordingSummary& summary,
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const EffectParameter& parameter = parameters[i];
     if (shapeOf(effect.name(), parameter.symbol)) continue;
+    if (isLeftOut(effect.name(), parameter.symbol)) continue;
     if (parameter.joint < 0) {
       whole.parameters.push_back({effect.name(), static_cast<int>(i)});
       continue;
@@ -97,6 +105,10 @@ bool hasSeveralSymbols(const Hypothesis& hypothesis, const Effect& effect) {
 
 }  // namespace
 
+bool isLimit(const std::string& effect, const std::string& symbol) noexcept {
+  return symbol == "v" && (effect == kMotorSaturation || effect == "speed_limit");
+}
+
 std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& robot) {
   std::string label = hypothesis.effect;
   if (hypothesis.joints.empty()) return label;
@@ -112,13 +124,22 @@ std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& 
   return label;
 }
 
-std::vector<Hypothesis> allHypotheses(const Recording& recording) {
+std::vector<Hypothesis> allHypotheses(const Recording& recording,
+                                      const SimulationConfig& simulation) {
   const RecordingSummary summary = summarise(recording);
   std::vector<Hypothesis> all;
   for (const std::string& name : effectNames()) {
     const std::unique_ptr<Effect> effect = makeEffect(name, recording.robot);
     if (possible(*effect, recording)) addHypothesesOf(*effect, summary, all);
   }
+  const bool coupled = recording.has_kinematics && !simulation.coupling.empty();
+  const JointMatrix travel =
+      coupled ? simulation.coupling.motorTravel(recording.robot)
+              : JointMatrix(JointMatrix::Zero(recording.robot.size(), recording.robot.size()));
+  const auto is_tracking_lag = [&](const Hypothesis& hypothesis) {
+    return hypothesis.effect == kMotorSaturation && travel.row(hypothesis.joints.front()).isZero();
+  };
+  all.erase(std::remove_if(all.begin(), all.end(), is_tracking_lag), all.end());
   return all;
 }
 
@@ -177,6 +198,10 @@ std::vector<Eigen::VectorXd> startingPoints(const Hypothesis& hypothesis,
   if (effect == "pulley_eccentricity" || effect == "registration_shift") return {};
   if (effect == "command_delay") return with(0, {0.02, 0.1, 0.2});
   if (effect == "tracking_lag") return with(0, {0.02, 0.1});
+  const std::string symbol = parameterOf(simulation, hypothesis.parameters.front()).symbol;
+  if (effect == kMotorSaturation)
+    return with(0,
+                symbol == "T" ? std::vector<double>{0.02, 0.06} : std::vector<double>{20, 10, 5});
   if (effect == "speed_limit") {
     const double peak = recording.peak_speed(hypothesis.joints.front());
     return with(0, {0.95 * peak, 0.8 * peak, 0.6 * peak, 0.4 * peak, 0.2 * peak});

@@ -16,7 +16,7 @@ namespace {
 using Observation = Recording::Observation;
 constexpr double kMostWrong = 0.1;  // largest share of orientations that markers may get wrong [-]
 constexpr double kLimitTolerance = 1e-6;  // [rad or m]
-constexpr int kMeanRounds = 5;      // of the orientation window: the mean of those inside it, again
+constexpr int kMeanRounds = 5;  // of the orientation window: the mean of those inside it, again
 
 /// Joints along a stream of poses: each solution is the seed of the next. Stamps never decrease.
 class PoseTracker {
@@ -197,11 +197,11 @@ void finish(const Dataset& dataset, const RecordingOptions& options, Recording& 
                recording.left_out.unreachable, recording.left_out.impossible));
   const Recording::Left& left = recording.left_out;
   if (2 * left.outside_limits > left.setpoints)
-    throw InvalidInput(
-        format("%s: %zu of %zu commands are outside the joint limits of %s; is it the simulation file "
-               "of another robot or arm, are positions in millimetres?",
-               dataset.source.empty() ? dataset.name.c_str() : dataset.source.c_str(),
-               left.outside_limits, left.setpoints, recording.robot.name().c_str()));
+    throw InvalidInput(format(
+        "%s: %zu of %zu commands are outside the joint limits of %s; is it the simulation file "
+        "of another robot or arm, are positions in millimetres?",
+        dataset.source.empty() ? dataset.name.c_str() : dataset.source.c_str(), left.outside_limits,
+        left.setpoints, recording.robot.name().c_str()));
   for (Recording::Motion& motion : motions)
     std::stable_sort(motion.observations.begin(), motion.observations.end(),
                      [](const Observation& a, const Observation& b) { return a.stamp < b.stamp; });

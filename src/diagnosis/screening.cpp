@@ -181,7 +181,7 @@ Screening screen(const EffectFitProblem& problem, const EffectFit& fit,
           parameterOf(here, hypothesis.parameters[static_cast<std::size_t>(a)]);
       impossible |= amplitudes == 1 && parameter.lower >= 0.0 && scale(a) <= 0.0;
       // A limit acts the other way round: the smaller it is, the more it does.
-      if (hypothesis.effect != "speed_limit") start(a) *= scale(a);
+      if (!isLimit(hypothesis.effect, parameter.symbol)) start(a) *= scale(a);
     }
     if (impossible || share <= best[h].share) continue;
     best[h] = {hypothesis, clipped(problem, hypothesis.parameters, start),

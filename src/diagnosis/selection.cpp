@@ -66,7 +66,7 @@ bool overlaps(const Hypothesis& a, const Hypothesis& b) {
 /// Hypotheses about what the simulation does not have yet: what it has stays as it is.
 std::vector<Hypothesis> newHypotheses(const Recording& recording,
                                       const SimulationConfig& simulation) {
-  std::vector<Hypothesis> all = allHypotheses(recording);
+  std::vector<Hypothesis> all = allHypotheses(recording, simulation);
   const auto known = [&](const Hypothesis& hypothesis) {
     return std::any_of(hypothesis.parameters.begin(), hypothesis.parameters.end(),
                        [&](const ParameterHandle& handle) {

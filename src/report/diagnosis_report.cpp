@@ -162,12 +162,13 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
 std::string diagnosisText(const Verdict& verdict) {
   std::string text = causesText(verdict);
   if (verdict.unexplained) {
-    text += format(
-        "Structure is left that no cause in the catalogue explains: %.0f %% of what is left "
-        "depends on %s",
-        kPercent * verdict.left.anything.share,
-        verdict.depends_on.empty() ? "several things at once"
-                                   : joined(verdict.depends_on, "and").c_str());
+    text += "Structure is left that no cause in the catalogue explains";
+    text +=
+        verdict.depends_on.empty()
+            ? std::string(": it is larger than the noise, but nothing that was tried predicts it")
+            : format("; %.0f %% of what is left depends on %s",
+                     kPercent * verdict.left.anything.share,
+                     joined(verdict.depends_on, "and").c_str());
     text += verdict.has_kinematics
                 ? format(" (%.2f mm, %.2f deg RMS).\n", kMillimetre * verdict.left.position_rms,
                          kDegree * verdict.left.orientation_rms)

@@ -21,6 +21,8 @@ namespace {
 
 /// The other joints move on evenly within a step; so long a part of it they count as resting [s].
 constexpr double kPart = 1e-3;
+/// But a step is cut into no more parts than these: long steps are for fits, which have to be fast.
+constexpr double kMostParts = 4.0;
 
 /// Where a motor is after `time`: at the speed (goal - u) / T, but no faster than `limit` (< 0:
 /// none). Exact for a goal that is held.
@@ -71,7 +73,7 @@ class MotorSaturation final : public Effect {
 
   void apply(const StepContext& context, JointVector& memory,
              JointVector& q) const noexcept override {
-    const double parts = std::max(1.0, std::ceil(context.step / kPart - 1e-6));
+    const double parts = std::clamp(std::ceil(context.step / kPart - 1e-6), 1.0, kMostParts);
     for (int j = 0; j < size_; ++j) {
       const double T = value(j);
       const double v = value(size_ + j);

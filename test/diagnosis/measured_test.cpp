@@ -30,7 +30,8 @@ TEST(MeasuredSession, CommandsToMotionCapture) {
   SKIP_WITHOUT(directory, "case2014_left");
   DiagnosisOptions options;
   options.recording.use_encoders = false;
-  options.recording.max_samples = 4000;  // a test has less time than a user
+  options.selection.max_causes = 8;  // a test has less time than a user
+  options.recording.max_samples = 3000;
   const Verdict verdict = diagnoseMeasured(directory, {}, options);
   EXPECT_TRUE(names(verdict, "base_registration"));
   EXPECT_TRUE(names(verdict, "tool_offset"));

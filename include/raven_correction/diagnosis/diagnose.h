@@ -55,13 +55,15 @@ struct Verdict {
   DiagnosisErrors after_alignment;
   double gain_from_alignment = 0.0, alignment_lower = 0.0, alignment_upper = 0.0;
 
-  DependenceResult shown;               ///< what the residual before depends on
-  DependenceResult left;                ///< what the residual after depends on
-  bool unexplained = false;             ///< structure is left that the catalogue does not explain
-  std::vector<std::string> depends_on;  ///< of `left`, those beyond doubt
-  double noise_floor = 0.0;             ///< RMS length of position noise [m]; joint data: 0
-  double angle_floor = 0.0;             ///< RMS angle of orientation noise [rad]
-  std::vector<double> joint_floor;      ///< joint data: standard deviation of each joint [rad or m]
+  DependenceResult shown;    ///< what the residual before depends on
+  DependenceResult left;     ///< what the residual after depends on
+  bool unexplained = false;  ///< structure is left that the catalogue does not explain
+  /// Of `left`, those beyond doubt; empty where what is left is larger than noise, but nothing that
+  /// was tried predicts it.
+  std::vector<std::string> depends_on;
+  double noise_floor = 0.0;         ///< RMS length of position noise [m]; joint data: 0
+  double angle_floor = 0.0;         ///< RMS angle of orientation noise [rad]
+  std::vector<double> joint_floor;  ///< joint data: standard deviation of each joint [rad or m]
 };
 
 /// @param simulation  what is believed of the robot; for joint data only its name is used

@@ -24,13 +24,20 @@ struct Hypothesis {
   std::size_t amplitudes() const { return parameters.size() - shapes; }
 };
 
+/// A speed that is not exceeded, where 0 stands for no limit: the smaller it is, the more it does.
+bool isLimit(const std::string& effect, const std::string& symbol) noexcept;
+
 /// "backlash of elbow", "joint_coupling of elbow by shoulder", "base_registration", "link_geometry
 /// alpha of elbow".
 std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& robot);
 
 /// All that this recording could show: no geometry for joint data, nothing before the motors where
-/// encoders drive, nothing of loads where the robot's file has no masses.
-std::vector<Hypothesis> allHypotheses(const Recording& recording);
+/// encoders drive, nothing of loads where the robot's file has no masses. motor_saturation only of
+/// joints whose motor turns with other joints (else it is tracking_lag or speed_limit), and only
+/// its lag and its limit: how the limit depends on posture takes a recording and a fit of its own.
+/// @param simulation  whose cable coupling says which motors those are
+std::vector<Hypothesis> allHypotheses(const Recording& recording,
+                                      const SimulationConfig& simulation);
 
 /// What the starts need to know of the recording.
 struct RecordingSummary {

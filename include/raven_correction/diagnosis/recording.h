@@ -29,7 +29,7 @@ struct RecordingOptions {
   /// Not applied where more than a tenth would go: such a tool does turn that far.
   double orientation_window = 1.0471975511965976;  ///< 60 deg [rad]
   double max_speed = 0.6;          ///< of the observed tool between two frames [m/s]; 0: any
-  std::size_t max_samples = 8000;  ///< observations kept, evenly spread; 0: all
+  std::size_t max_samples = 4000;  ///< observations kept, evenly spread; 0: all
 };
 
 /// Plain data; what was left out, and why, is counted.
@@ -64,11 +64,11 @@ struct Recording {
   struct Left {                                   ///< out of how many samples, and why
     std::size_t setpoints = 0, observations = 0;  ///< given
     std::size_t outside_limits = 0;  ///< set-points: brought to the limit, as the controller does
-    std::size_t unreachable = 0;                  ///< set-points: no joints reproduce the pose
-    std::size_t not_a_command = 0;                ///< set-points: not finite, not unit, identity
-    std::size_t repeated = 0;                     ///< observations: the frame before again
-    std::size_t impossible = 0;  ///< observations: not finite, orientation or speed
-    std::size_t thinned = 0;     ///< observations: more than max_samples
+    std::size_t unreachable = 0;     ///< set-points: no joints reproduce the pose
+    std::size_t not_a_command = 0;   ///< set-points: not finite, not unit, identity
+    std::size_t repeated = 0;        ///< observations: the frame before again
+    std::size_t impossible = 0;      ///< observations: not finite, orientation or speed
+    std::size_t thinned = 0;         ///< observations: more than max_samples
   } left_out;
 };
 
