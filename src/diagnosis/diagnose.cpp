@@ -162,8 +162,8 @@ void cutIntoBlocks(int least, Recording& recording) {
 ///        whether or not the features predict it (a table that sways, a joint that rings)
 void judgeWhatIsLeft(bool beyond_noise, Verdict& verdict) {
   const Dependence& anything = verdict.left.anything;
-  const bool predicted = anything.lower > 0.0 && anything.share > kLeastStructure;
-  verdict.unexplained = predicted || beyond_noise;
+  verdict.predicted = anything.lower > 0.0 && anything.share > kLeastStructure;
+  verdict.unexplained = verdict.predicted || beyond_noise;
   if (!verdict.unexplained) return;
   std::vector<Dependence> groups = verdict.left.groups;
   std::stable_sort(groups.begin(), groups.end(),
@@ -208,6 +208,7 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.folds = options.selection.folds;
   verdict.hypotheses = selection.hypotheses;
   verdict.starts = selection.starts;
+  verdict.converged = selection.converged;
   verdict.seed = options.selection.seed;
   verdict.causes = std::move(selection.causes);
   for (const Cause& cause : verdict.causes)
@@ -239,15 +240,22 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
       residualDependence(recording, layout, before, joints, verdict.folds, verdict.seed);
   verdict.left = residualDependence(recording, layout, after, joints, verdict.folds, verdict.seed);
   const Eigen::VectorXd floor = noiseFloor(recording, layout, after);
+  const Eigen::VectorXd scales = channelScales(layout, after);
   judgeWhatIsLeft(isBeyondNoise(layout, after, floor), verdict);
   for (std::size_t c = 0; c < layout.channels.size(); ++c) {
     const double value = floor(static_cast<Eigen::Index>(c));
+    const double scale = scales(static_cast<Eigen::Index>(c));
+    const double beyond = std::sqrt(std::max(0.0, scale * scale - value * value));
     if (layout.channels[c].encoder) continue;
-    if (!recording.has_kinematics)
+    if (!recording.has_kinematics) {
       verdict.joint_floor.push_back(value);
-    else
-      (layout.channels[c].unit == "m" ? verdict.noise_floor : verdict.angle_floor) =
-          std::sqrt(3.0) * value;
+      verdict.structure_joints.push_back(beyond);
+      continue;
+    }
+    const bool position = layout.channels[c].unit == "m";
+    (position ? verdict.noise_floor : verdict.angle_floor) = std::sqrt(3.0) * value;
+    (position ? verdict.structure_position : verdict.structure_orientation) =
+        std::sqrt(3.0) * beyond;
   }
   verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return verdict;

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 
+#include "parallel.h"
 #include "raven_correction/error.h"
 #include "raven_correction/simulation/effect_registry.h"
 
@@ -180,8 +181,8 @@ Eigen::MatrixXd residualJacobian(const Recording& recording, const ResidualLayou
                                  Eigen::Index first) {
   const auto p = static_cast<Eigen::Index>(parameters.size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(layout.size, p);
-#pragma omp parallel for schedule(dynamic)
-  for (Eigen::Index i = first; i < p; ++i) {
+  parallelFor(static_cast<int>(p - first), [&](int index) {
+    const Eigen::Index i = first + index;
     const EffectParameter parameter =
         parameterOf(simulation, parameters[static_cast<std::size_t>(i)]);
     const double step = differenceStep(parameter, values(i));
@@ -189,7 +190,7 @@ Eigen::MatrixXd residualJacobian(const Recording& recording, const ResidualLayou
     moved(i) += step;
     jacobian.col(i) =
         (residuals(recording, layout, withValues(simulation, parameters, moved)) - residual) / step;
-  }
+  });
   return jacobian;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "parallel.h"
 #include "raven_correction/geometry/statistics.h"
 
 namespace raven_correction {
@@ -50,8 +51,7 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
     all.g += motion.g;
   }
   Eigen::VectorXd result = fit.residual;
-#pragma omp parallel for schedule(dynamic)
-  for (int fold = 0; fold < folds; ++fold) {
+  parallelFor(folds, [&](int fold) {
     NormalEquations rest = all;
     for (std::size_t m = static_cast<std::size_t>(fold); m < motions.size();
          m += static_cast<std::size_t>(folds)) {
@@ -66,7 +66,7 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
       const int size = layout.channels[static_cast<std::size_t>(block.channel)].size;
       result.segment(block.offset, size) = there.segment(block.offset, size);
     }
-  }
+  });
   return result;
 }
 

@@ -158,7 +158,8 @@ void applyOrientationWindow(double window, Recording& recording) {
   }
 }
 
-/// Keeps every n-th observation of each kind, so that at most `most` of all remain.
+/// Keeps every n-th observation of each kind, so that about `most` of all remain; one of a motion
+/// at least.
 void thin(std::size_t most, Recording& recording) {
   std::size_t total = 0;
   for (const Recording::Motion& motion : recording.motions) total += motion.observations.size();
@@ -174,6 +175,8 @@ void thin(std::size_t most, Recording& recording) {
       due -= 1.0;
       kept.push_back(std::move(observation));
     }
+    if (kept.empty() && !motion.observations.empty())  // no motion goes altogether
+      kept.push_back(std::move(motion.observations[motion.observations.size() / 2]));
     recording.left_out.thinned += motion.observations.size() - kept.size();
     motion.observations = std::move(kept);
   }

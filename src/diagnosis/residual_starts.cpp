@@ -42,9 +42,15 @@ std::vector<Eigen::VectorXd> periodicStarts(const ResidualView& view, int joint,
   const Eigen::VectorXd weights = rowWeights(layout, *view.residual, view.scales);
   // Of every block: its joint, and what one unit of joint error explains there.
   std::vector<double> q, bb, ab;
-  const std::size_t stride = std::max<std::size_t>(1, layout.blocks.size() / kMostBlocks) | 1U;
-  for (std::size_t i = 0; i < layout.blocks.size(); i += stride) {
+  const std::size_t stride = std::max<std::size_t>(1, layout.blocks.size() / kMostBlocks);
+  std::size_t samples = 0;
+  for (std::size_t i = 0; i < layout.blocks.size(); ++i) {
     const ResidualBlock& block = layout.blocks[i];
+    // Whole samples are passed over, so that every channel is seen.
+    if (i > 0 && (layout.blocks[i - 1].sample != block.sample ||
+                  layout.blocks[i - 1].motion != block.motion))
+      ++samples;
+    if (samples % stride != 0) continue;
     double squares = 0.0, product = 0.0;
     for (int c = 0; c < sizeOf(layout, block); ++c) {
       const Eigen::Index row = block.offset + c;

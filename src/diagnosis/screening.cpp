@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "parallel.h"
+
 namespace raven_correction {
 namespace {
 
@@ -153,14 +155,14 @@ Screening screen(const EffectFitProblem& problem, const EffectFit& fit,
       }
     }
   }
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t t = 0; t < trials.size(); ++t) {
+  parallelFor(static_cast<int>(trials.size()), [&](int index) {
+    const auto t = static_cast<std::size_t>(index);
     Trial& trial = trials[t];
     const SimulationConfig with =
         withValues(here, hypotheses[trial.hypothesis].parameters,
                    clipped(problem, hypotheses[trial.hypothesis].parameters, trial.values));
     trial.change = residuals(*problem.recording, *problem.layout, with) - fit.residual;
-  }
+  });
 
   const LinearModel model(problem, fit);
   std::vector<Candidate> best(hypotheses.size());

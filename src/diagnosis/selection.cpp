@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "parallel.h"
 #include "raven_correction/diagnosis/dependence.h"
 #include "raven_correction/diagnosis/screening.h"
 #include "raven_correction/error.h"
@@ -16,10 +17,11 @@ constexpr int kFinalistIterations = 8;
 constexpr double kFinalistTolerance = 1e-4;
 constexpr int kRefitIterations = 8;
 constexpr double kRefitTolerance = 1e-5;
+constexpr int kLastIterations = 25;
+constexpr double kLastTolerance = 1e-6;
 constexpr double kLeastSpread = 2.5;  // z over motions that every claim needs, beside the corrected
                                       // one over typical motions
-constexpr double kFewMotions =
-    1.6;  // z over motions that even an effect in few of them needs: in 3
+constexpr double kFewMotions = 1.6;   // z over motions of a cause that shows in few: about 3
 constexpr double kLeastEvidence = 25.0;      // log likelihood ratio for it, in independent samples
 constexpr double kCorrelatedSamples = 20.0;  // so many of motion capture count as one
 constexpr double kQuiet = 1.5;               // residual over noise floor of a quiet recording [-]
@@ -110,6 +112,12 @@ class Selector {
     say("removing what no longer earns its place", 0.9);
     while (remove()) {
     }
+    if (!members_.empty()) {  // nothing is added any more: to the end
+      problem_.max_iterations = kLastIterations;
+      problem_.tolerance = kLastTolerance;
+      refit();
+      result_.converged = fit_.converged;
+    }
     say("writing the verdict", 0.97);
     finish();
     return std::move(result_);
@@ -169,8 +177,8 @@ class Selector {
     candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.finalists)));
     const Eigen::VectorXd scales = channelScales(layout_, fit_.residual);
     std::vector<Finalist> finalists(candidates.size());
-#pragma omp parallel for schedule(dynamic)
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
+    parallelFor(static_cast<int>(candidates.size()), [&](int index) {
+      const auto i = static_cast<std::size_t>(index);
       EffectFitProblem problem = with(candidates[i]);
       problem.scales = scales;
       problem.max_iterations = kFinalistIterations;
@@ -179,7 +187,7 @@ class Selector {
       finalists[i].candidate = candidates[i];
       finalists[i].fit = fitEffects(problem);
       finalists[i].held_out = heldOutResiduals(problem, finalists[i].fit, options_.folds);
-    }
+    });
     return finalists;
   }
 
@@ -218,14 +226,18 @@ class Selector {
       return pa != pb ? pa < pb : gain[a] > gain[b];
     };
     std::sort(equal.begin(), equal.end(), simpler);
-    const Finalist& chosen = finalists[equal.front()];
+    const std::size_t simplest = *std::find_if(equal.begin(), equal.end(), [&](std::size_t i) {
+      return i == best || earns(held_out_, finalists[i].held_out);
+    });
+    const Finalist& chosen = finalists[simplest];
     member.hypothesis = chosen.candidate.hypothesis;
-    for (std::size_t i = 1; i < equal.size() && member.equals.size() < kMostEquals; ++i)
-      member.equals.push_back(finalists[equal[i]].candidate.hypothesis);
+    for (const std::size_t i : equal)
+      if (i != simplest && member.equals.size() < kMostEquals)
+        member.equals.push_back(finalists[i].candidate.hypothesis);
     if (rest < finalists.size() && gain[rest] > 0.0) {
       member.has_runner_up = true;
       member.runner_up = finalists[rest].candidate.hypothesis;
-      member.runner_up_share = gain[rest] / std::max(gain[equal.front()], 1e-12);
+      member.runner_up_share = gain[rest] / std::max(gain[simplest], 1e-12);
     }
     return &chosen;
   }
@@ -293,12 +305,12 @@ class Selector {
   /// Held-out residuals when each cause is dropped and the others are refitted.
   std::vector<Eigen::VectorXd> dropEach() const {
     std::vector<Eigen::VectorXd> dropped(members_.size());
-#pragma omp parallel for schedule(dynamic)
-    for (std::size_t i = 0; i < members_.size(); ++i) {
+    parallelFor(static_cast<int>(members_.size()), [&](int index) {
+      const auto i = static_cast<std::size_t>(index);
       EffectFitProblem problem = without(members_[i]);
       if (problem.parameters.empty()) {
         dropped[i] = residuals(recording_, layout_, problem.simulation);
-        continue;
+        return;
       }
       problem.max_iterations = kFinalistIterations;
       problem.tolerance = kFinalistTolerance;
@@ -311,7 +323,7 @@ class Selector {
         problem.start = fit.values;
       }
       dropped[i] = heldOutResiduals(problem, fit, options_.folds);
-    }
+    });
     return dropped;
   }
 
@@ -363,8 +375,15 @@ class Selector {
     cause.share = comparison.share;
     cause.lower = comparison.lower;
     cause.upper = comparison.upper;
-    cause.equals = member.equals;
-    cause.has_runner_up = member.has_runner_up;
+    // What has become a cause itself is no rival any more.
+    const auto is_member = [&](const Hypothesis& hypothesis) {
+      return std::any_of(members_.begin(), members_.end(), [&](const Member& other) {
+        return overlaps(other.hypothesis, hypothesis);
+      });
+    };
+    for (const Hypothesis& equal : member.equals)
+      if (!is_member(equal)) cause.equals.push_back(equal);
+    cause.has_runner_up = member.has_runner_up && !is_member(member.runner_up);
     cause.runner_up = member.runner_up;
     cause.runner_up_share = member.runner_up_share;
     return cause;

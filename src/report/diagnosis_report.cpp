@@ -143,8 +143,11 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
   const Cause& cause = verdict.causes[index];
   std::string text = verdict.labels[index] + ":";
   for (const NamedParameter& parameter : parametersOf(verdict, cause))
-    text += format(" %s = %.4g +- %.2g %s,", parameter.symbol.c_str(), parameter.value,
-                   parameter.deviation, parameter.unit.c_str());
+    text += parameter.deviation > 0.0
+                ? format(" %s = %.4g +- %.2g %s,", parameter.symbol.c_str(), parameter.value,
+                         parameter.deviation, parameter.unit.c_str())
+                : format(" %s = %.4g %s,", parameter.symbol.c_str(), parameter.value,
+                         parameter.unit.c_str());
   text += format(" explains %.1f %% (%.1f..%.1f %%)", kPercent * cause.share,
                  kPercent * cause.lower, kPercent * cause.upper);
   if (cause.has_runner_up)
@@ -163,16 +166,16 @@ std::string diagnosisText(const Verdict& verdict) {
   std::string text = causesText(verdict);
   if (verdict.unexplained) {
     text += "Structure is left that no cause in the catalogue explains";
-    text +=
-        verdict.depends_on.empty()
-            ? std::string(": it is larger than the noise, but nothing that was tried predicts it")
-            : format("; %.0f %% of what is left depends on %s",
-                     kPercent * verdict.left.anything.share,
-                     joined(verdict.depends_on, "and").c_str());
-    text += verdict.has_kinematics
-                ? format(" (%.2f mm, %.2f deg RMS).\n", kMillimetre * verdict.left.position_rms,
-                         kDegree * verdict.left.orientation_rms)
-                : std::string(".\n");
+    if (!verdict.predicted)
+      text += ": it is larger than the noise, but nothing that was tried predicts it";
+    else if (verdict.depends_on.empty())
+      text += ": several things together predict a part of it";
+    else
+      text += ": it depends on " + joined(verdict.depends_on, "and");
+    text += verdict.has_kinematics ? format(" (%.2f mm, %.2f deg beyond the noise).\n",
+                                            kMillimetre * verdict.structure_position,
+                                            kDegree * verdict.structure_orientation)
+                                   : std::string(".\n");
   } else {
     text += "What is left has no structure that could be predicted.\n";
   }
@@ -207,10 +210,11 @@ std::string diagnosisText(const Verdict& verdict) {
       static_cast<unsigned long long>(verdict.seed));
   const Recording::Left& left = verdict.left_out;
   text += format(
-      "left out: %zu of %zu commands (%zu no poses, %zu out of reach); of %zu observations "
+      "left out: %zu of %zu commands (%zu no poses, %zu out of reach), %zu brought to a joint "
+      "limit; of %zu observations "
       "%zu repeated, %zu impossible, %zu thinned out\n",
       left.not_a_command + left.unreachable, left.setpoints, left.not_a_command, left.unreachable,
-      left.observations, left.repeated, left.impossible, left.thinned);
+      left.outside_limits, left.observations, left.repeated, left.impossible, left.thinned);
   return text;
 }
 
@@ -221,15 +225,15 @@ std::string diagnosisJson(const Verdict& verdict) {
     json["causes"].push_back(causeJson(verdict, i));
   json["unexplained"] = {{"present", verdict.unexplained},
                          {"depends_on", verdict.depends_on},
-                         {"rms_mm", kMillimetre * verdict.left.position_rms},
-                         {"rms_deg", kDegree * verdict.left.orientation_rms},
+                         {"rms_mm", kMillimetre * verdict.structure_position},
+                         {"rms_deg", kDegree * verdict.structure_orientation},
                          {"share_percent", kPercent * verdict.left.anything.share}};
   if (!verdict.has_kinematics) {
     json["unexplained"].erase("rms_mm");
     json["unexplained"].erase("rms_deg");
-    for (std::size_t j = 0; j < verdict.left.joint_rms.size(); ++j)
+    for (std::size_t j = 0; j < verdict.structure_joints.size(); ++j)
       json["unexplained"]["rms"][verdict.joints[j] + "_" + jointUnit(verdict, j)] =
-          verdict.left.joint_rms[j];
+          verdict.structure_joints[j];
   }
   json["before"] = errorsJson(verdict, verdict.before);
   json["after"] = errorsJson(verdict, verdict.after);
@@ -262,10 +266,12 @@ std::string diagnosisJson(const Verdict& verdict) {
                   {"commands", left.setpoints},
                   {"commands_not_a_pose", left.not_a_command},
                   {"commands_out_of_reach", left.unreachable},
+                  {"commands_outside_limits", left.outside_limits},
                   {"observations", left.observations},
                   {"observations_repeated", left.repeated},
                   {"observations_impossible", left.impossible},
                   {"observations_thinned", left.thinned}};
+  json["converged"] = verdict.converged;
   json["seconds"] = verdict.seconds;
   json["seed"] = verdict.seed;
   return json.dump(1) + "\n";

@@ -43,6 +43,11 @@ void diagnoseInput(const Arguments& arguments) {
   const SimulationConfig simulation = loadSimulationConfig(
       arguments.simulation.empty() ? packageFile("config/simulation/nominal.yaml")
                                    : arguments.simulation);
+  if (isJointData(dataset) && !arguments.output.empty())
+    throw InvalidInput(format("-o %s: joint data has no robot to simulate; leave -o out",
+                              arguments.output.c_str()));
+  if (isJointData(dataset) && arguments.from == "encoders")
+    throw InvalidInput("--from encoders: joint data has commands and observations only");
   DiagnosisOptions options = arguments.options;
   options.recording.source =
       arguments.from == "encoders" ? DriveSource::kEncoders : DriveSource::kCommands;
@@ -53,9 +58,6 @@ void diagnoseInput(const Arguments& arguments) {
   std::fputs(diagnosisText(verdict).c_str(), stdout);
   if (!arguments.json.empty()) writeTextFile(arguments.json, diagnosisJson(verdict));
   if (arguments.output.empty()) return;
-  if (!verdict.has_kinematics)
-    throw InvalidInput(format("-o %s: nothing was written: joint data has no robot to simulate",
-                              arguments.output.c_str()));
   verdict.simulation.name = simulation.name + "_extended";
   verdict.simulation.description = "extended by what the diagnosis of " + dataset.name + " found";
   saveSimulationConfig(verdict.simulation, arguments.output);

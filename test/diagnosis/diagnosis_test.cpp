@@ -46,6 +46,17 @@ TEST(Recording, LeavesOutWhatCannotBeReal) {
   EXPECT_EQ(recording.left_out.repeated, clean.left_out.repeated + 1);
 }
 
+// However few observations are wanted: every motion keeps one.
+TEST(Recording, ThinsWithoutLosingMotions) {
+  RecordingOptions options;
+  options.max_samples = 3;
+  const Recording recording = makeRecording(recorded(nominal()), nominal().robot, options);
+  EXPECT_EQ(recording.motions.size(), 10u);
+  for (const Recording::Motion& motion : recording.motions)
+    EXPECT_FALSE(motion.observations.empty());
+  EXPECT_EQ(residuals(recording, residualLayout(recording), nominal()).hasNaN(), false);
+}
+
 TEST(Recording, RefusesAnotherFrameAndOutOfReach) {
   Dataset dataset = recorded(nominal());
   dataset.frame = "camera";
@@ -89,6 +100,7 @@ TEST(EffectFit, FindsTheValueAndItsDeviation) {
     EXPECT_TRUE(fit.converged) << fit.message;
     EXPECT_NEAR(fit.values(0), 0.03, 5e-4);
     const double deviation = std::sqrt(fit.covariance(0, 0));
+    EXPECT_LT(deviation, 5e-4);
     covered += std::abs(fit.values(0) - 0.03) <= 2.5 * deviation;
   }
   EXPECT_GE(covered, seeds - 3);
@@ -163,7 +175,9 @@ TEST(Hypotheses, JointDataHaveNoGeometry) {
   options.trajectories = 12;
   const Recording recording = makeJointRecording(plant::recordJointsClean(options).dataset,
                                                  std::vector<bool>(6, false), {});
-  for (const Hypothesis& hypothesis : allHypotheses(recording, nominal())) {
+  const std::vector<Hypothesis> hypotheses = allHypotheses(recording, nominal());
+  ASSERT_GT(hypotheses.size(), 50u);
+  for (const Hypothesis& hypothesis : hypotheses) {
     EXPECT_NE(hypothesis.effect, "base_registration");
     EXPECT_NE(hypothesis.effect, "link_geometry");
     EXPECT_NE(hypothesis.effect, "mocap_scale");

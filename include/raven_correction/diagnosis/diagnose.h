@@ -41,11 +41,12 @@ struct Verdict {
   double seconds = 0.0;
 
   std::vector<Cause> causes;
+  bool converged = true;            ///< the last fit of all causes
   std::vector<std::string> labels;  ///< of the causes, for people
   SimulationConfig simulation;      ///< extended with the causes
   DiagnosisErrors before;           ///< of the simulation that was given
   DiagnosisErrors after;            ///< of the extended one; every motion by parameters fitted
-                                    ///< without its fold
+                                    ///< without its fold (heldOutResiduals())
   /// 1 - RMS after / RMS before, of position (joint data: mean over joints), with its 95 % interval
   /// by bootstrap over motions [-].
   double gain = 0.0, gain_lower = 0.0, gain_upper = 0.0;
@@ -58,6 +59,10 @@ struct Verdict {
   DependenceResult shown;    ///< what the residual before depends on
   DependenceResult left;     ///< what the residual after depends on
   bool unexplained = false;  ///< structure is left that the catalogue does not explain
+  bool predicted = false;    ///< position, direction, speed, load or time predict a part of it
+  /// Size of what is left beyond the noise floor: robust RMS length [m], angle [rad], or per joint.
+  double structure_position = 0.0, structure_orientation = 0.0;
+  std::vector<double> structure_joints;
   /// Of `left`, those beyond doubt; empty where what is left is larger than noise, but nothing that
   /// was tried predicts it.
   std::vector<std::string> depends_on;
@@ -66,7 +71,7 @@ struct Verdict {
   std::vector<double> joint_floor;  ///< joint data: standard deviation of each joint [rad or m]
 };
 
-/// @param simulation  what is believed of the robot; for joint data only its name is used
+/// @param simulation  what is believed of the robot; of joint data only whether set-points are held
 /// @param prismatic   joint data: which joints are in metres
 /// @throws InvalidInput  see makeRecording(), makeJointRecording(), selectCauses()
 Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,

@@ -29,7 +29,7 @@ struct RecordingOptions {
   /// Not applied where more than a tenth would go: such a tool does turn that far.
   double orientation_window = 1.0471975511965976;  ///< 60 deg [rad]
   double max_speed = 0.6;          ///< of the observed tool between two frames [m/s]; 0: any
-  std::size_t max_samples = 4000;  ///< observations kept, evenly spread; 0: all
+  std::size_t max_samples = 4000;  ///< about so many observations are kept, evenly spread; 0: all
 };
 
 /// Plain data; what was left out, and why, is counted.

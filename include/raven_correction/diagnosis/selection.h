@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which causes the recording supports: hypotheses are added one by one, the best on motions that it
 // was not fitted to, as long as they earn their place; then those that no longer do are removed.
-// What a hypothesis is, is hypothesis.h; the whole diagnosis is diagnosis.h.
+// What a hypothesis is, is hypothesis.h; the whole diagnosis is diagnose.h.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,8 @@ struct SelectionOptions {
   int folds = 5;  ///< motion i is held out in fold i % folds
   int max_causes = 24;
   int finalists = 8;  ///< hypotheses of a round that are fitted; the others were screened
-  /// Chance of a false claim on data without any effect, over all hypotheses and starts [-].
+  /// Chance of a false claim on data without any effect that the threshold aims at, shared over all
+  /// hypotheses and starts [-]. How often it happens is what `bench diagnosis` counts.
   double significance = 0.01;
   double least_share = 0.004;  ///< of the held-out loss that a cause must explain [-]
   std::uint64_t seed = 1;
@@ -42,7 +43,8 @@ struct SelectionResult {
   SimulationConfig simulation;        ///< with the causes, values and deviations
   Eigen::VectorXd nominal_residual;   ///< before any cause
   Eigen::VectorXd fitted_residual;    ///< of the fit to all motions
-  Eigen::VectorXd held_out_residual;  ///< every motion predicted from the other folds
+  Eigen::VectorXd held_out_residual;  ///< see heldOutResiduals()
+  bool converged = true;              ///< the last fit of all causes
   std::size_t hypotheses = 0;         ///< tried in the first round
   std::size_t starts = 0;             ///< of their fits, periods and instants included
 };

@@ -17,14 +17,16 @@ std::string diagnosisText(const Verdict& verdict);
 /// {"causes": [{"effect", "joints", "label", "parameters": {name: {"value", "std", "unit"}},
 ///   "explained_percent", "interval_percent": [lo, hi], "left_grows_percent",
 ///   "indistinguishable_from": [label], "separated_by", "runner_up": {"label", "relative_share"}}],
-///  "unexplained": {"present", "depends_on", "rms_mm", "rms_deg", "share_percent"},
+///  "unexplained": {"present", "depends_on", "rms_mm", "rms_deg", "share_percent"} (beyond the
+///  noise
+///   floor; share_percent: of it, predicted from position, direction, speed, load and time),
 ///  "before", "after", "after_alignment": {"position_rms_mm", "position_median_mm",
-///   "position_p95_mm", "orientation_median_deg", "fold_position_median_mm",
+///   "position_p95_mm", "orientation_median_deg", "orientation_rms_deg", "fold_position_median_mm",
 ///   "fold_orientation_median_deg"},
 ///  "gain_percent", "gain_interval_percent", "gain_from_alignment_percent",
 ///  "gain_from_alignment_interval_percent", "noise_floor_mm", "noise_floor_deg",
 ///  "depends_on_before", "depends_on_after": {group: {"share_percent", "interval_percent"}},
-///  "data": {...}, "seconds", "seed"}
+///  "data": {...}, "converged", "seconds", "seed"}
 /// Joint data: errors are objects by joint with keys rms_rad or rms_m, median_..., p95_...
 std::string diagnosisJson(const Verdict& verdict);
 
