@@ -92,8 +92,9 @@ inline SimulationConfig withTruth(const SimulationConfig& simulation,
   return result;
 }
 
-/// 1 - median after / median before of the positions, or where the truth turns rather than moves the
-/// tool, of the orientations, on the session itself: what the true parameters gain, and the verdict's.
+/// 1 - median after / median before of the positions, or where the truth turns rather than moves
+/// the tool, of the orientations, on the session itself: what the true parameters gain, and the
+/// verdict's.
 struct TrueGain {
   double truth = 0.0, verdict = 0.0;
 };
