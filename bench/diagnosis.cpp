@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -217,6 +219,9 @@ int main(int argc, char** argv) {
   app.add_option("--json", arguments.json, "write the numbers as JSON");
   CLI11_PARSE(app, argc, argv);
   try {
+    // The plant and the simulation name their files relative to the package.
+    if (!arguments.json.empty()) arguments.json = std::filesystem::absolute(arguments.json);
+    if (const char* const root = std::getenv("RAVEN_ROOT")) std::filesystem::current_path(root);
     Bench bench(arguments);
     bench.singles();
     bench.several(2, arguments.two, "two");
