@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosis/fixtures.h"
 #include "diagnosis/judge.h"
 #include "plant/joint_session.h"
 #include "raven_correction/error.h"
@@ -14,13 +15,6 @@
 
 namespace raven_correction {
 namespace {
-
-std::string effectName(const testing::TestParamInfo<const char*>& info) { return info.param; }
-
-const SimulationConfig& nominal() {
-  static const SimulationConfig config = loadSimulationConfig("config/simulation/nominal.yaml");
-  return config;
-}
 
 SimulationConfig with(const std::string& effect, int index, double value) {
   return withValues(nominal(), {{effect, index}}, Eigen::VectorXd::Constant(1, value));

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <random>
 
+#include "diagnosis/fixtures.h"
 #include "diagnosis/judge.h"
 #include "plant/joint_session.h"
 #include "plant/session.h"
@@ -14,13 +15,6 @@
 
 namespace raven_correction {
 namespace {
-
-std::string effectName(const testing::TestParamInfo<const char*>& info) { return info.param; }
-
-const SimulationConfig& nominal() {
-  static const SimulationConfig config = loadSimulationConfig("config/simulation/nominal.yaml");
-  return config;
-}
 
 plant::PlantOptions session(std::uint64_t seed, bool encoders = false) {
   plant::PlantOptions options;
