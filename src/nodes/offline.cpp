@@ -2,4 +2,9 @@
 // The offline command line; every command is in ros/offline_*.cpp.
 #include "raven_correction/ros/offline.h"
 
-int main(int argc, char** argv) { return raven_correction::runOffline(argc, argv); }
+#include "raven_correction/memory.h"
+
+int main(int argc, char** argv) {
+  raven_correction::keepFreedMemory();
+  return raven_correction::runOffline(argc, argv);
+}

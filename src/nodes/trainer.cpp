@@ -2,9 +2,11 @@
 // Learns corrections from recorded sessions and publishes the live one (ros/trainer_node.h).
 #include <ros/ros.h>
 
+#include "raven_correction/memory.h"
 #include "raven_correction/ros/trainer_node.h"
 
 int main(int argc, char** argv) {
+  raven_correction::keepFreedMemory();
   ros::init(argc, argv, "trainer");
   try {
     raven_correction::TrainerNode node(ros::NodeHandle(), ros::NodeHandle("~"));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "raven_correction/error.h"
 #include "raven_correction/regression/dense.h"
@@ -17,6 +18,7 @@ namespace {
 double aboveZero(double x) noexcept { return x < 0.0 ? 0.0 : x; }
 
 constexpr Eigen::Index kBlock = 1024;  // queries of one batch product
+constexpr Eigen::Index kPoints = 64;   // side by side: read as one stream, not one per feature
 
 void checkGroup(const GpGroup& group, int features, std::size_t index) {
   const Eigen::Index m = group.points.cols();
@@ -42,20 +44,21 @@ void checkGroup(const GpGroup& group, int features, std::size_t index) {
 // What a single query reads of one group, laid out in the order in which it is read.
 struct QueryGroup {
   Eigen::VectorXd inverse_scales;  // d
-  Eigen::MatrixXd by_feature;      // scaled points, (m + padding) x d
+  std::vector<double> blocks;      // scaled points: kPoints of them, feature by feature, and so on
   std::vector<double> panels;      // variance factor, see SimdKernels::squaredNormLower
 };
 
 Eigen::Index roundUp(Eigen::Index value, Eigen::Index to) { return (value + to - 1) / to * to; }
 
 QueryGroup queryGroup(const GpGroup& group, const Eigen::MatrixXd& scaled) {
-  constexpr Eigen::Index kPadding = 16;
-  const Eigen::Index m = scaled.cols();
+  const Eigen::Index m = scaled.cols(), d = scaled.rows();
   const Eigen::Index rows = simdKernels().panel_rows;
   QueryGroup query;
   query.inverse_scales = group.length_scales.cwiseInverse();
-  query.by_feature.setZero(m + kPadding, scaled.rows());
-  query.by_feature.topRows(m) = scaled.transpose();
+  query.blocks.assign(std::size_t(roundUp(m, kPoints) * d), 0.0);
+  for (Eigen::Index i = 0; i < m; ++i)
+    for (Eigen::Index f = 0; f < d; ++f)
+      query.blocks[std::size_t((i / kPoints * d + f) * kPoints + i % kPoints)] = scaled(f, i);
   const Eigen::Index mv = group.variance_factor.rows();
   const Eigen::Index panels = roundUp(mv, rows) / rows;
   query.panels.assign(std::size_t(rows * rows * panels * (panels + 1) / 2), 0.0);
@@ -73,6 +76,7 @@ class GpPredictor::Workspace {
  public:
   Eigen::VectorXd x;             // scaled query
   Eigen::VectorXd correlations;  // c, zero past its end up to a whole panel
+  Eigen::VectorXd means;         // of the outputs of one group
 };
 
 struct GpPredictor::Impl {
@@ -83,12 +87,13 @@ struct GpPredictor::Impl {
   Eigen::Index largest = 0;  // points of the largest group
 };
 
-GpPredictor::GpPredictor(const GpModel& model) {
+GpPredictor::GpPredictor(GpModel given) {
+  auto impl = std::make_unique<Impl>();
+  impl->model = std::move(given);
+  const GpModel& model = impl->model;
   if (model.features <= 0 || model.outputs <= 0 || model.groups.empty())
     throw InvalidInput(format("model: %d features, %d outputs, %zu groups; none may be 0",
                               model.features, model.outputs, model.groups.size()));
-  auto impl = std::make_unique<Impl>();
-  impl->model = model;
   impl->prior_deviation.setZero(model.outputs);
   std::vector<int> uses(std::size_t(model.outputs), 0);
   for (std::size_t g = 0; g < model.groups.size(); ++g) {
@@ -123,6 +128,7 @@ const Eigen::VectorXd& GpPredictor::priorDeviation() const noexcept {
 std::shared_ptr<GpPredictor::Workspace> GpPredictor::makeWorkspace() const {
   auto workspace = std::make_shared<Workspace>();
   workspace->x.setZero(impl_->model.features);
+  workspace->means.setZero(impl_->model.outputs);
   workspace->correlations.setZero(roundUp(impl_->largest, simdKernels().panel_rows));
   return workspace;
 }
@@ -138,20 +144,23 @@ void GpPredictor::predict(const double* x, double* mean, double* variance,
     const Eigen::Index m = group.points.cols();
     workspace.x = query.cwiseProduct(layout.inverse_scales);
     double* const c = workspace.correlations.data();
-    simd.correlations(int(group.kernel), d, m, layout.by_feature.data(), layout.by_feature.rows(),
-                      1, workspace.x.data(), d, c, nullptr, m);
-    for (std::size_t k = 0; k < group.outputs.size(); ++k) {
-      const Eigen::Index column = Eigen::Index(k);
-      mean[group.outputs[k]] = group.mean_weights(0, column) +
-                               query.dot(group.mean_weights.col(column).tail(d)) +
-                               workspace.correlations.head(m).dot(group.weights.col(column));
-    }
+    for (Eigen::Index i = 0; i < m; i += kPoints)
+      simd.correlations(int(group.kernel), d, std::min(kPoints, m - i),
+                        layout.blocks.data() + i * d, kPoints, 1, workspace.x.data(), d, c + i,
+                        nullptr, m);
+    const Eigen::Index q = Eigen::Index(group.outputs.size());
+    double* const means = workspace.means.data();  // less what it is, as the product subtracts
+    std::fill(means, means + q, 0.0);
+    simd.subtractTransposed(m, q, 1, group.weights.data(), m, c, m, means, q);
+    for (Eigen::Index k = 0; k < q; ++k)
+      mean[group.outputs[std::size_t(k)]] =
+          group.mean_weights(0, k) + query.dot(group.mean_weights.col(k).tail(d)) - means[k];
     if (variance == nullptr) continue;
     const Eigen::Index mv = group.variance_factor.rows();
     std::fill(c + mv, c + roundUp(mv, simd.panel_rows), 0.0);
     const double left = aboveZero(1.0 - simd.squaredNormLower(mv, layout.panels.data(), c));
-    for (std::size_t k = 0; k < group.outputs.size(); ++k)
-      variance[group.outputs[k]] = group.signal_variance(Eigen::Index(k)) * left;
+    for (Eigen::Index k = 0; k < q; ++k)
+      variance[group.outputs[std::size_t(k)]] = group.signal_variance(k) * left;
   }
 }
 

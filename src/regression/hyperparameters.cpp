@@ -2,17 +2,16 @@
 // The search for hyper-parameters: normalisation, starts, L-BFGS-B, and back to the user's units.
 #include "raven_correction/regression/hyperparameters.h"
 
-#include <LBFGSB.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "box_search.h"
 #include "raven_correction/error.h"
 #include "raven_correction/regression/grouped_validation.h"
 #include "raven_correction/regression/marginal_likelihood.h"
@@ -27,6 +26,8 @@ constexpr double kMaxNoiseRatio = 1e3;
 constexpr Eigen::Index kStartRows = 256;
 constexpr Eigen::Index kCoarsening = 4;      // a coarser search has so many times fewer rows
 constexpr Eigen::Index kCoarsestRows = 300;  // and at least so many
+constexpr double kTolerance = 2e-3;          // of the log likelihood: far below what data can tell
+const double kStillSeen = std::log(4.0);     // log of a length, over the shortest one, that shows
 
 // Features centred and in units of their spread; targets in units of their root mean square.
 struct Normalised {
@@ -72,34 +73,6 @@ Normalised normalise(const HyperParameterProblem& problem) {
   result.targets = problem.targets * result.target_unit.cwiseInverse().asDiagonal();
   return result;
 }
-
-// A criterion to be minimised, remembering the best point it has seen.
-class Objective {
- public:
-  using Criterion = std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd& gradient)>;
-  explicit Objective(Criterion criterion) : criterion_(std::move(criterion)) {}
-
-  double operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
-    ++evaluations;
-    const double value = criterion_(x, gradient);
-    if (!std::isfinite(value)) {  // a line search shortens its step on a large value
-      gradient.setZero(x.size());
-      return 1e10;
-    }
-    if (value < best_value) {
-      best_value = value;
-      best = x;
-    }
-    return value;
-  }
-
-  double best_value = std::numeric_limits<double>::infinity();
-  Eigen::VectorXd best;
-  int evaluations = 0;
-
- private:
-  Criterion criterion_;
-};
 
 // Negative log posterior per target value; the prior is on the log length scales.
 Objective::Criterion negativePosterior(MarginalLikelihood& likelihood, double scale,
@@ -155,77 +128,37 @@ Eigen::VectorXd startOf(const HyperParameterProblem& problem, const Normalised& 
   return best;
 }
 
-struct SearchEnd {
-  bool converged = false;
-  std::string message;
-  int iterations = 0;
-};
-
-SearchEnd search(Objective& objective, Eigen::VectorXd x, const Eigen::VectorXd& lower,
-                 const Eigen::VectorXd& upper, int max_iterations) {
-  LBFGSpp::LBFGSBParam<double> param;
-  param.m = 20;
-  param.epsilon = 1e-6;
-  param.epsilon_rel = 0.0;
-  param.past = 4;
-  param.delta = 2e-7;
-  param.max_linesearch = 30;
-  SearchEnd end;
-  double previous = std::numeric_limits<double>::infinity();
-  for (int attempt = 0; attempt < 3; ++attempt) {
-    param.max_iterations = std::max(1, max_iterations - end.iterations);
-    try {
-      LBFGSpp::LBFGSBSolver<double> solver(param);
-      double value = 0.0;
-      const int iterations = solver.minimize(objective, x, value, lower, upper);
-      end.iterations += iterations;
-      end.converged = iterations < param.max_iterations;
-      end.message = end.converged
-                        ? "converged"
-                        : format("stopped after %d iterations, the limit", end.iterations);
-      return end;
-    } catch (const std::exception& error) {
-      // The line search found no better point: numerically at the optimum, or a bad curvature
-      // model. A fresh start from the best point tells which.
-      end.message = std::string("line search ended: ") + error.what();
-      if (objective.best.size() == 0) return end;
-      end.converged = previous - objective.best_value < 1e-6;
-      if (end.converged) return end;
-      previous = objective.best_value;
-      x = objective.best;
-    }
-  }
-  return end;
-}
-
 struct SearchBest {
   Eigen::VectorXd x;
   SearchEnd end;
   int evaluations = 0;
 };
 
-struct Box {
-  Eigen::VectorXd lower, upper;
-};
+Objective objectiveOf(const HyperParameterProblem& problem, MarginalLikelihood& likelihood,
+                      const Eigen::VectorXd& prior_centre) {
+  return Objective(negativePosterior(likelihood, 1.0 / double(likelihood.targets().size()),
+                                     problem.log_length_prior, prior_centre));
+}
 
-// The best of `searches` searches: the first from x, the others from random places around it.
-SearchBest searchStage(const HyperParameterProblem& problem, MarginalLikelihood likelihood,
-                       const Eigen::VectorXd& x, const Eigen::VectorXd& prior_centre,
-                       const Box& box, int searches) {
-  const double values = double(likelihood.targets().size());
+SearchLimits limitsOf(const HyperParameterProblem& problem, const MarginalLikelihood& likelihood) {
+  return {problem.max_iterations, kTolerance / double(likelihood.targets().size())};
+}
+
+// The best of some searches on few rows: the first from x, the others from random places around it.
+SearchBest searchCoarse(const HyperParameterProblem& problem, MarginalLikelihood likelihood,
+                        const Eigen::VectorXd& x, const Box& box) {
   std::mt19937_64 engine(problem.seed);
   std::normal_distribution<double> normal;
   SearchBest best;
   best.x = x;
   double best_value = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < std::max(1, searches); ++k) {
+  for (int k = 0; k < std::max(1, problem.restarts); ++k) {
     Eigen::VectorXd from = x;
     if (k > 0)
       for (double& value : from) value += normal(engine);
     from = from.cwiseMax(box.lower).cwiseMin(box.upper);
-    Objective objective(
-        negativePosterior(likelihood, 1.0 / values, problem.log_length_prior, prior_centre));
-    const SearchEnd end = search(objective, from, box.lower, box.upper, problem.max_iterations);
+    Objective objective = objectiveOf(problem, likelihood, x);
+    const SearchEnd end = searchBox(objective, from, box, limitsOf(problem, likelihood));
     best.evaluations += objective.evaluations;
     if (objective.best.size() > 0 && objective.best_value < best_value) {
       best_value = objective.best_value;
@@ -233,6 +166,31 @@ SearchBest searchStage(const HyperParameterProblem& problem, MarginalLikelihood 
       best.end = end;
     }
   }
+  return best;
+}
+
+// From the optimum x of fewer rows to that of more. A feature to which few rows are blind has a
+// long length and next to no gradient, and would never come back: it starts from a length that
+// still shows, a few times the shortest one, if more rows want it shorter than that. The curvature
+// is that of the fewer rows.
+SearchBest searchFiner(const HyperParameterProblem& problem, MarginalLikelihood fewer,
+                       MarginalLikelihood more, Eigen::VectorXd x,
+                       const Eigen::VectorXd& prior_centre, const Box& box) {
+  const Eigen::Index lengths = x.size() - 1;
+  Objective coarse = objectiveOf(problem, fewer, prior_centre);
+  Objective objective = objectiveOf(problem, more, prior_centre);
+  Eigen::VectorXd start = x, gradient;
+  start.head(lengths) = x.head(lengths).cwiseMin(x.head(lengths).minCoeff() + kStillSeen);
+  if (start != x) {
+    objective(start, gradient);
+    for (Eigen::Index i = 0; i < lengths; ++i)
+      if (gradient(i) < 0.0) start(i) = x(i);
+  }
+  SearchBest best;
+  best.end =
+      refineInBox(objective, start, curvatureAt(coarse, start), box, limitsOf(problem, more));
+  best.x = objective.best.size() > 0 ? objective.best : x;
+  best.evaluations = objective.evaluations + coarse.evaluations;
   return best;
 }
 
@@ -268,13 +226,12 @@ HyperParameterResult learnByValidation(const HyperParameterProblem& problem) {
   };
   Eigen::VectorXd start = Eigen::VectorXd::Constant(lengths + 1, std::log(kTypicalLength));
   start(lengths) = std::log(kStartNoiseRatio);
-  Eigen::VectorXd lower = Eigen::VectorXd::Constant(lengths + 1, -2.0);
-  Eigen::VectorXd upper = Eigen::VectorXd::Constant(lengths + 1, 6.0);
-  lower(lengths) = std::log(1e-5);
-  upper(lengths) = std::log(10.0);
+  Box box{Eigen::VectorXd::Constant(lengths + 1, -2.0),
+          Eigen::VectorXd::Constant(lengths + 1, 6.0)};
+  box.lower(lengths) = std::log(1e-5);
+  box.upper(lengths) = std::log(10.0);
   Objective objective(criterion);
-  const SearchEnd end =
-      search(objective, start, lower, upper, std::min(40, problem.max_iterations));
+  const SearchEnd end = searchBox(objective, start, box, {std::min(40, problem.max_iterations)});
   const Eigen::VectorXd best = objective.best.size() > 0 ? objective.best : start;
 
   HyperParameterResult result;
@@ -317,18 +274,20 @@ HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) 
     result.message = format("%td rows, %zu features that vary: nothing to learn from, start kept",
                             n, data.active.size());
   } else {
-    Eigen::VectorXd lower = Eigen::VectorXd::Constant(parameters, std::log(kMinLength));
-    Eigen::VectorXd upper = Eigen::VectorXd::Constant(parameters, std::log(kMaxLength));
-    lower(parameters - 1) = std::log(kMinNoiseRatio);
-    upper(parameters - 1) = std::log(kMaxNoiseRatio);
+    Box box{Eigen::VectorXd::Constant(parameters, std::log(kMinLength)),
+            Eigen::VectorXd::Constant(parameters, std::log(kMaxLength))};
+    box.lower(parameters - 1) = std::log(kMinNoiseRatio);
+    box.upper(parameters - 1) = std::log(kMaxNoiseRatio);
     // Coarse to fine: the optimum of a quarter of the rows costs little and is near that of all.
     std::vector<Eigen::Index> stages{n};
     while (stages.back() / kCoarsening >= kCoarsestRows)
       stages.push_back(stages.back() / kCoarsening);
     for (auto rows = stages.rbegin(); rows != stages.rend(); ++rows) {
-      const bool coarsest = rows == stages.rbegin();
-      SearchBest found = searchStage(problem, likelihoodOf(problem, data, *rows), best, start,
-                                     {lower, upper}, coarsest ? problem.restarts : 1);
+      const SearchBest found =
+          rows == stages.rbegin()
+              ? searchCoarse(problem, likelihoodOf(problem, data, *rows), start, box)
+              : searchFiner(problem, likelihoodOf(problem, data, *std::prev(rows)),
+                            likelihoodOf(problem, data, *rows), best, start, box);
       result.evaluations += found.evaluations;
       result.converged = found.end.converged;
       result.message = found.end.message;

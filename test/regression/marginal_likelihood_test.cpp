@@ -123,7 +123,7 @@ TEST_P(HyperParameterRows, SolutionIsStationary) {
   parameters.head(3) = result.length_scales.array().log();
   parameters(3) = std::log(result.noise_variance(0) / result.signal_variance(0));
   const double best = likelihood.evaluate(parameters, nullptr);
-  EXPECT_NEAR(best, result.log_marginal_likelihood, 1e-8 * std::abs(best));
+  EXPECT_NEAR(best, result.log_marginal_likelihood, 1e-7 * std::abs(best));
   for (Eigen::Index i = 0; i < 4; ++i)
     for (const double step : {-0.05, 0.05}) {
       Eigen::VectorXd moved = parameters;
@@ -133,6 +133,25 @@ TEST_P(HyperParameterRows, SolutionIsStationary) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rows, HyperParameterRows, ::testing::Values(150, 1300));
+
+// A quarter of the rows takes the weak bend of tanh for a line, which needs no length; all rows do
+// not, and have to find their way back from a length at which the likelihood is flat.
+TEST(HyperParameters, WhatFewRowsAreBlindToComesBackWithMore) {
+  constexpr int kRows = 2000;
+  HyperParameterProblem problem;
+  problem.points = normalMatrix(8, kRows, 11);
+  const Eigen::ArrayXXd x = problem.points.transpose().array();
+  problem.targets = ((1.5 * x.col(0)).sin() + 0.5 * x.col(1) * x.col(2) + x.col(3).cos() +
+                     0.3 * x.rightCols(4).rowwise().sum().tanh())
+                        .matrix() +
+                    0.1 * normalMatrix(kRows, 1, 12);
+  const HyperParameterResult result = learnHyperParameters(problem);
+  EXPECT_TRUE(result.converged) << result.message;
+  const double shortest = result.length_scales.minCoeff();
+  for (Eigen::Index j = 4; j < 8; ++j)
+    EXPECT_LT(result.length_scales(j), 10.0 * shortest) << "feature " << j;
+  EXPECT_NEAR(std::sqrt(result.noise_variance(0)), 0.1, 0.015);
+}
 
 TEST(HyperParameters, UnitsOfFeaturesAndTargetsDoNotMatter) {
   HyperParameterProblem problem;

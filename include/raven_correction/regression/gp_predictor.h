@@ -16,7 +16,7 @@ class GpPredictor {
   class Workspace;
 
   /// @throws InvalidInput  sizes inside the model do not fit together, or a value is not finite
-  explicit GpPredictor(const GpModel& model);
+  explicit GpPredictor(GpModel model);
   ~GpPredictor();
   GpPredictor(GpPredictor&&) noexcept;
   GpPredictor& operator=(GpPredictor&&) noexcept;
