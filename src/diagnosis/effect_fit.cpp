@@ -39,14 +39,6 @@ int sizeOf(const ResidualLayout& layout, const ResidualBlock& block) {
   return layout.channels[static_cast<std::size_t>(block.channel)].size;
 }
 
-/// Weight of a block of each channel, so that channels count equally per component.
-Eigen::VectorXd channelWeights(const ResidualLayout& layout) {
-  Eigen::VectorXd count = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.channels.size()));
-  for (const ResidualBlock& block : layout.blocks) count(block.channel) += sizeOf(layout, block);
-  const double mean = count.mean();
-  return count.unaryExpr([&](double n) { return n > 0.0 ? mean / n : 0.0; });
-}
-
 /// Residuals and derivatives at the point that Ceres asks for: computed once for all blocks.
 class Evaluation : public ceres::EvaluationCallback {
  public:

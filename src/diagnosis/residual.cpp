@@ -203,10 +203,16 @@ Eigen::VectorXd motionLosses(const ResidualLayout& layout, const Eigen::VectorXd
   return losses;
 }
 
+Eigen::VectorXd channelWeights(const ResidualLayout& layout) {
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.channels.size()));
+  for (const ResidualBlock& block : layout.blocks) count(block.channel) += sizeOf(layout, block);
+  const double mean = count.mean();
+  return count.unaryExpr([&](double n) { return n > 0.0 ? mean / n : 0.0; });
+}
+
 Eigen::VectorXd rowWeights(const ResidualLayout& layout, const Eigen::VectorXd& residual,
                            const Eigen::VectorXd& scales) {
-  Eigen::VectorXd count = Eigen::VectorXd::Zero(scales.size());
-  for (const ResidualBlock& block : layout.blocks) count(block.channel) += sizeOf(layout, block);
+  const Eigen::VectorXd channel = channelWeights(layout);
   Eigen::VectorXd weights(layout.size);
   for (const ResidualBlock& block : layout.blocks) {
     const int size = sizeOf(layout, block);
@@ -215,7 +221,7 @@ Eigen::VectorXd rowWeights(const ResidualLayout& layout, const Eigen::VectorXd& 
     const double threshold = blockThreshold(size);
     const double robust = s <= threshold ? 1.0 : threshold / s;
     weights.segment(block.offset, size)
-        .setConstant(robust * count.mean() / (count(block.channel) * scale * scale));
+        .setConstant(robust * channel(block.channel) / (scale * scale));
   }
   return weights;
 }

@@ -2,11 +2,10 @@
 #include "raven_correction/diagnosis/selection.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "parallel.h"
-#include "raven_correction/diagnosis/dependence.h"
+#include "raven_correction/diagnosis/claim.h"
 #include "raven_correction/diagnosis/screening.h"
 #include "raven_correction/error.h"
 
@@ -15,17 +14,15 @@ namespace {
 
 constexpr int kFinalistIterations = 8;
 constexpr double kFinalistTolerance = 1e-4;
-constexpr int kRefitIterations = 8;
+constexpr int kRefitIterations = 4;  // of a round: the next one goes on from there
 constexpr double kRefitTolerance = 1e-5;
 constexpr int kLastIterations = 25;
 constexpr double kLastTolerance = 1e-6;
-constexpr double kLeastSpread = 2.5;  // z over motions that every claim needs, beside the corrected
-                                      // one over typical motions
-constexpr double kFewMotions = 1.6;   // z over motions of a cause that shows in few: about 3
-constexpr double kLeastEvidence = 25.0;      // log likelihood ratio for it, in independent samples
-constexpr double kCorrelatedSamples = 20.0;  // so many of motion capture count as one
-constexpr double kQuiet = 1.5;               // residual over noise floor of a quiet recording [-]
-constexpr double kTie = 2.0;                 // z below which two explanations cannot be told apart
+constexpr int kRoundsOfAll = 4;         // every so many rounds all hypotheses are screened
+constexpr std::size_t kPromising = 40;  // and so many of them in the rounds between
+constexpr double kSameScales = 0.02;    // change of a channel's scale that needs no second fit [-]
+constexpr double kSafe = 4.0;           // times the least share: it will not have to go [-]
+constexpr double kTie = 2.0;            // z below which two explanations cannot be told apart
 constexpr double kTieShare = 0.9;  // and the lesser one explains at least this part of the better
 constexpr std::size_t kMostEquals = 3;
 
@@ -37,6 +34,7 @@ struct Member {
   bool has_runner_up = false;
   Hypothesis runner_up;
   double runner_up_share = 0.0;
+  double share = 0.0;  // when it was last dropped
 };
 
 /// A hypothesis after its fit.
@@ -45,19 +43,6 @@ struct Finalist {
   EffectFit fit;
   Eigen::VectorXd held_out;
 };
-
-/// The value that a variable of Student's distribution exceeds with probability p: the normal
-/// quantile, by bisection, and Wallace's relation of the two. Source: Wallace 1959,
-/// doi:10.1214/aoms/1177706089
-double studentQuantile(double p, double freedom) {
-  double low = 0.0, high = 40.0;
-  for (int i = 0; i < 100; ++i) {
-    const double z = 0.5 * (low + high);
-    (0.5 * std::erfc(z / std::sqrt(2.0)) > p ? low : high) = z;
-  }
-  const double scaled = low * (8.0 * freedom + 3.0) / (8.0 * freedom + 1.0);
-  return std::sqrt(freedom * std::expm1(scaled * scaled / freedom));
-}
 
 bool overlaps(const Hypothesis& a, const Hypothesis& b) {
   for (const ParameterHandle& one : a.parameters)
@@ -89,6 +74,7 @@ class Selector {
         options_(options),
         progress_(progress),
         summary_(summarise(recording)),
+        rule_(recording, layout, options.least_share, options.seed),
         hypotheses_(newHypotheses(recording, simulation)) {
     problem_.recording = &recording;
     problem_.layout = &layout;
@@ -101,17 +87,13 @@ class Selector {
     held_out_ = fit_.residual;
     result_.nominal_residual = fit_.residual;
     result_.hypotheses = hypotheses_.size();
-    samples_ = Eigen::VectorXd::Zero(layout.motions);
-    for (const ResidualBlock& block : layout.blocks)
-      samples_(block.motion) += 1.0 / static_cast<double>(layout.channels.size());
   }
 
   SelectionResult run() {
     int round = 0;
     while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
     say("removing what no longer earns its place", 0.9);
-    while (remove()) {
-    }
+    removeWeak();
     if (!members_.empty()) {  // nothing is added any more: to the end
       problem_.max_iterations = kLastIterations;
       problem_.tolerance = kLastTolerance;
@@ -126,32 +108,6 @@ class Selector {
  private:
   void say(const std::string& phase, double fraction) const {
     if (progress_) progress_(phase, fraction);
-  }
-
-  Eigen::VectorXd losses(const Eigen::VectorXd& residual, const Eigen::VectorXd& of) const {
-    return motionLosses(layout_, residual, channelScales(layout_, of));
-  }
-
-  /// Every claim has to pass this, of a new cause or of one that stays. Either it is a gain beyond
-  /// chance over motions; or, where nothing but noise is left of most motions, it explains far more
-  /// than noise could in a few of them: a limit that only the fastest motions reach.
-  bool earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
-    const Eigen::VectorXd before = losses(without, without), after = losses(with, without);
-    const LossComparison comparison = compareLosses(before, after, options_.seed);
-    if (comparison.share < options_.least_share) return false;
-    if (comparison.z_mean > kLeastSpread && comparison.z_typical > threshold_) return true;
-    const double evidence = ((before - after).array().isFinite())
-                                .select((before - after).array() * samples_.array(), 0.0)
-                                .sum() /
-                            kCorrelatedSamples;
-    return comparison.z_mean > kFewMotions && evidence > kLeastEvidence && isQuiet(without);
-  }
-
-  /// The residual of most motions is no larger than their noise from sample to sample.
-  bool isQuiet(const Eigen::VectorXd& residual) const {
-    const Eigen::VectorXd floor = noiseFloor(recording_, layout_, residual);
-    const Eigen::VectorXd scale = channelScales(layout_, residual);
-    return ((scale.array() <= kQuiet * floor.array()) || (floor.array() == 0.0)).all();
   }
 
   /// The fit so far and one more hypothesis.
@@ -194,27 +150,24 @@ class Selector {
   /// The best that earns its place; of those that explain the held-out motions as well as that one
   /// the one with the fewest parameters. Null if none does.
   const Finalist* choose(const std::vector<Finalist>& finalists, Member& member) const {
-    const Eigen::VectorXd before = losses(held_out_, held_out_);
     std::vector<double> gain;
     for (const Finalist& finalist : finalists)
-      gain.push_back(
-          compareLosses(before, losses(finalist.held_out, held_out_), options_.seed).share);
+      gain.push_back(rule_.compare(held_out_, finalist.held_out).share);
     std::vector<std::size_t> order(finalists.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return gain[a] > gain[b]; });
     const auto found = std::find_if(order.begin(), order.end(), [&](std::size_t i) {
-      return earns(held_out_, finalists[i].held_out);
+      return rule_.earns(held_out_, finalists[i].held_out);
     });
     if (found == order.end()) return nullptr;
     const std::size_t best = *found;
-    // At the scale of what the best one leaves, small differences show.
-    const Eigen::VectorXd fine = losses(finalists[best].held_out, finalists[best].held_out);
     std::vector<std::size_t> equal;
     std::size_t rest = finalists.size();
     for (std::size_t i = 0; i < finalists.size(); ++i) {
-      const LossComparison worse = compareLosses(
-          losses(finalists[i].held_out, finalists[best].held_out), fine, options_.seed);
+      // At the scale of what the best one leaves, small differences show.
+      const Eigen::VectorXd& better = finalists[best].held_out;
+      const LossComparison worse = rule_.compare(finalists[i].held_out, better, better);
       if (i == best || (worse.z_mean <= kTie && gain[i] >= kTieShare * gain[best]))
         equal.push_back(i);
       else if (rest == finalists.size() || gain[i] > gain[rest])
@@ -227,7 +180,7 @@ class Selector {
     };
     std::sort(equal.begin(), equal.end(), simpler);
     const std::size_t simplest = *std::find_if(equal.begin(), equal.end(), [&](std::size_t i) {
-      return i == best || earns(held_out_, finalists[i].held_out);
+      return i == best || rule_.earns(held_out_, finalists[i].held_out);
     });
     const Finalist& chosen = finalists[simplest];
     member.hypothesis = chosen.candidate.hypothesis;
@@ -242,27 +195,45 @@ class Selector {
     return &chosen;
   }
 
-  bool add(int round) {
-    say(format("round %d: trying %zu hypotheses", round + 1, hypotheses_.size()),
-        std::min(0.85, 0.1 + 0.08 * round));
+  /// Hypotheses that are not in the fit; of these the promising ones only, unless `all`.
+  std::vector<Hypothesis> openHypotheses(bool all) const {
     std::vector<Hypothesis> open;
-    for (const Hypothesis& hypothesis : hypotheses_) {
+    for (const Hypothesis& hypothesis : all ? hypotheses_ : promising_) {
       const bool in = std::any_of(members_.begin(), members_.end(), [&](const Member& member) {
         return overlaps(member.hypothesis, hypothesis);
       });
       if (!in) open.push_back(hypothesis);
     }
-    const Screening screening = screen(problem_, fit_, open, summary_);
-    if (round == 0) {
+    return open;
+  }
+
+  /// Fits the best of the open hypotheses. What explains next to nothing does so in the next round,
+  /// too, so not every round has to look at all.
+  std::vector<Finalist> tryHypotheses(bool all) {
+    const Screening screening = screen(problem_, fit_, openHypotheses(all), summary_);
+    if (result_.starts == 0) {
       result_.starts = screening.starts;
-      const double chance =
-          options_.significance / static_cast<double>(std::max<std::size_t>(1, screening.starts));
-      threshold_ = studentQuantile(chance, std::max(1, layout_.motions - 1));
+      rule_.setTried(screening.starts, options_.significance);
     }
-    if (screening.candidates.empty()) return false;
-    const std::vector<Finalist> finalists = fitFinalists(screening.candidates);
+    if (all) {
+      promising_.clear();
+      for (const Candidate& candidate : screening.candidates)
+        if (promising_.size() < kPromising) promising_.push_back(candidate.hypothesis);
+    }
+    return fitFinalists(screening.candidates);
+  }
+
+  bool add(int round) {
+    say(format("round %d: trying %zu hypotheses", round + 1, hypotheses_.size()),
+        std::min(0.85, 0.1 + 0.08 * round));
     Member member;
-    const Finalist* const choice = choose(finalists, member);
+    bool all = round % kRoundsOfAll == 0;
+    std::vector<Finalist> finalists = tryHypotheses(all);
+    const Finalist* choice = choose(finalists, member);
+    if (!choice && !all) {
+      finalists = tryHypotheses(true);
+      choice = choose(finalists, member);
+    }
     if (!choice) return false;
     const Finalist& chosen = *choice;
     member.first = static_cast<Eigen::Index>(problem_.parameters.size());
@@ -302,46 +273,78 @@ class Selector {
     return problem;
   }
 
-  /// Held-out residuals when each cause is dropped and the others are refitted.
-  std::vector<Eigen::VectorXd> dropEach() const {
-    std::vector<Eigen::VectorXd> dropped(members_.size());
-    parallelFor(static_cast<int>(members_.size()), [&](int index) {
-      const auto i = static_cast<std::size_t>(index);
-      EffectFitProblem problem = without(members_[i]);
-      if (problem.parameters.empty()) {
-        dropped[i] = residuals(recording_, layout_, problem.simulation);
-        return;
-      }
-      problem.max_iterations = kFinalistIterations;
-      problem.tolerance = kFinalistTolerance;
-      EffectFit fit;
-      fit.residual = residuals(recording_, layout_,
-                               withValues(problem.simulation, problem.parameters, problem.start));
-      for (int pass = 0; pass < 2; ++pass) {  // the scale shrinks as the others make up for it
-        problem.scales = channelScales(layout_, fit.residual);
-        fit = fitEffects(problem);
-        problem.start = fit.values;
-      }
-      dropped[i] = heldOutResiduals(problem, fit, options_.folds);
-    });
-    return dropped;
+  /// Held-out residual when one cause is dropped and the others are refitted.
+  Eigen::VectorXd drop(const Member& member) const {
+    EffectFitProblem problem = without(member);
+    if (problem.parameters.empty()) return residuals(recording_, layout_, problem.simulation);
+    problem.max_iterations = kFinalistIterations;
+    problem.tolerance = kFinalistTolerance;
+    EffectFit fit;
+    fit.residual = residuals(recording_, layout_,
+                             withValues(problem.simulation, problem.parameters, problem.start));
+    for (int pass = 0; pass < 2; ++pass) {  // the scale shrinks as the others make up for it
+      const Eigen::VectorXd scales = channelScales(layout_, fit.residual);
+      if (pass > 0 && scales.isApprox(problem.scales, kSameScales)) break;
+      problem.scales = scales;
+      fit = fitEffects(problem);
+      problem.start = fit.values;
+    }
+    return heldOutResiduals(problem, fit, options_.folds);
   }
 
-  /// Removes the cause that earns its place least, if there is one. @return whether it did
-  bool remove() {
-    if (members_.empty()) return false;
-    dropped_ = dropEach();
+  /// Drops each of these causes on its own.
+  void dropEach(const std::vector<std::size_t>& members) {
+    dropped_.resize(members_.size());
+    parallelFor(static_cast<int>(members.size()), [&](int index) {
+      const std::size_t i = members[static_cast<std::size_t>(index)];
+      dropped_[i] = drop(members_[i]);
+    });
+  }
+
+  /// Of these causes the one that earns its place least; members_.size() if all earn it.
+  std::size_t weakestOf(const std::vector<std::size_t>& members) const {
     std::size_t weakest = members_.size();
     double least = 0.0;
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-      const LossComparison comparison = compareLosses(
-          losses(dropped_[i], dropped_[i]), losses(held_out_, dropped_[i]), options_.seed);
-      if (earns(dropped_[i], held_out_) || (weakest < members_.size() && comparison.share >= least))
+    for (const std::size_t i : members) {
+      const LossComparison comparison = rule_.compare(dropped_[i], held_out_);
+      if (rule_.earns(dropped_[i], held_out_) ||
+          (weakest < members_.size() && comparison.share >= least))
         continue;
       weakest = i;
       least = comparison.share;
     }
-    if (weakest == members_.size()) return false;
+    return weakest;
+  }
+
+  /// All causes, or those only that explained little when they were last dropped.
+  std::vector<std::size_t> membersToDrop(bool all) const {
+    std::vector<std::size_t> some;
+    for (std::size_t i = 0; i < members_.size(); ++i)
+      if (all || members_[i].share < kSafe * options_.least_share) some.push_back(i);
+    return some;
+  }
+
+  /// Removes causes that do not earn their place, the weakest first; in the end each of those that
+  /// stay has been dropped beside all the others.
+  void removeWeak() {
+    for (bool all = true; !members_.empty();) {
+      const std::vector<std::size_t> tried = membersToDrop(all);
+      dropEach(tried);
+      for (const std::size_t i : tried)
+        members_[i].share = rule_.compare(dropped_[i], held_out_).share;
+      const std::size_t weakest = weakestOf(tried);
+      if (weakest < members_.size()) {
+        remove(weakest);
+        all = false;
+      } else if (all) {
+        return;
+      } else {
+        all = true;
+      }
+    }
+  }
+
+  void remove(std::size_t weakest) {
     const Member gone = members_[weakest];
     problem_ = without(gone);
     members_.erase(members_.begin() + static_cast<std::ptrdiff_t>(weakest));
@@ -354,7 +357,6 @@ class Selector {
     } else {
       refit();
     }
-    return true;
   }
 
   Cause describe(const Member& member, const Eigen::VectorXd& dropped) const {
@@ -370,8 +372,7 @@ class Selector {
       cause.values(i) = parameterOf(problem_.simulation,
                                     member.hypothesis.parameters[static_cast<std::size_t>(i)])
                             .value;
-    const LossComparison comparison =
-        compareLosses(losses(dropped, dropped), losses(held_out_, dropped), options_.seed);
+    const LossComparison comparison = rule_.compare(dropped, held_out_);
     cause.share = comparison.share;
     cause.lower = comparison.lower;
     cause.upper = comparison.upper;
@@ -417,10 +418,10 @@ class Selector {
   const SelectionOptions options_;
   const DiagnosisProgress& progress_;
   const RecordingSummary summary_;
+  ClaimRule rule_;
   const std::vector<Hypothesis> hypotheses_;
-  Eigen::VectorXd samples_;   // of each motion, per channel
-  double threshold_ = 0.0;    // of z over typical motions, corrected for the number of starts
-  EffectFitProblem problem_;  // the causes so far
+  std::vector<Hypothesis> promising_;  // the best of the last time that all were screened
+  EffectFitProblem problem_;           // the causes so far
   EffectFit fit_;
   Eigen::VectorXd held_out_;  // residual
   std::vector<Member> members_;

@@ -13,30 +13,46 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "raven_correction/simulation/effect_registry.h"
 
 namespace raven_correction {
 namespace {
 
-/// The other joints move on evenly within a step; so long a part of it they count as resting [s].
-constexpr double kPart = 1e-3;
-/// But a step is cut into no more parts than these: long steps are for fits, which have to be fast.
-constexpr double kMostParts = 4.0;
+/// Speeds that a motor reaches: towards +u, and towards -u. Infinite where it has no limit.
+struct Limits {
+  double up = std::numeric_limits<double>::infinity();
+  double down = std::numeric_limits<double>::infinity();
+};
 
-/// Where a motor is after `time`: at the speed (goal - u) / T, but no faster than `limit` (< 0:
-/// none). Exact for a goal that is held.
-double follow(double u, double goal, double T, double limit, double time) {
-  const double distance = std::abs(goal - u);
-  const double side = goal > u ? 1.0 : -1.0;
-  double rest = time;
-  if (limit >= 0.0 && distance > limit * T) {
-    const double until = limit > 0.0 ? (distance - limit * T) / limit : time;
-    if (until >= time) return u + side * limit * time;
-    u = goal - side * limit * T;
-    rest -= until;
+/// How far a motor is behind a goal that moves at the speed s, after `time`: the solution of
+///   de/dt = s - clamp(e / T, -down, up),   T = 0: e / T is as large as it has to be,
+/// piece by piece: at full speed e changes evenly, below it decays towards s T.
+double behindAfter(double e, double s, double T, const Limits& limits, double time) {
+  const double above = T > 0.0 ? limits.up * T : 0.0, below = T > 0.0 ? -limits.down * T : 0.0;
+  for (int piece = 0; piece < 3; ++piece) {  // from one limit to between them to a limit
+    const bool fast_up = e > above || (e == above && s > limits.up);
+    const bool fast_down = e < below || (e == below && s < -limits.down);
+    if (fast_up || fast_down) {
+      const double rate = fast_up ? s - limits.up : s + limits.down;
+      const double edge = fast_up ? above : below;
+      const bool catches_up = fast_up ? rate < 0.0 : rate > 0.0;
+      if (!catches_up || (edge - e) / rate >= time) return e + rate * time;
+      time -= (edge - e) / rate;
+      e = edge;
+    }
+    if (T == 0.0) {  // it is where it should be, and stays there if it is fast enough
+      if (s > limits.up) return (s - limits.up) * time;
+      return s < -limits.down ? (s + limits.down) * time : 0.0;
+    }
+    const double end = s * T + (e - s * T) * std::exp(-time / T);
+    if (end <= above && end >= below) return end;
+    const double edge = end > above ? above : below;
+    time -= T * std::log((e - s * T) / (edge - s * T));
+    e = edge;
   }
-  return T > 0.0 ? goal + (u - goal) * std::exp(-rest / T) : goal;
+  return e;
 }
 
 class MotorSaturation final : public Effect {
@@ -73,7 +89,6 @@ class MotorSaturation final : public Effect {
 
   void apply(const StepContext& context, JointVector& memory,
              JointVector& q) const noexcept override {
-    const double parts = std::clamp(std::ceil(context.step / kPart - 1e-6), 1.0, kMostParts);
     for (int j = 0; j < size_; ++j) {
       const double T = value(j);
       const double v = value(size_ + j);
@@ -89,14 +104,10 @@ class MotorSaturation final : public Effect {
         before += (*context.motor_travel)(j, k) * memory(k);
         after += (*context.motor_travel)(j, k) * q(k);
       }
-      const double up = v > 0.0 ? std::max(0.0, v + load) : -1.0;
-      const double down = v > 0.0 ? std::max(0.0, v - load) : -1.0;
-      double u = memory(j) + before;
-      for (double part = 1.0; part <= parts; part += 1.0) {
-        const double goal = q(j) + before + (after - before) * part / parts;
-        u = follow(u, goal, T, goal > u ? up : down, context.step / parts);
-      }
-      q(j) = u - after;
+      Limits limits;
+      if (v > 0.0) limits = {std::max(0.0, v + load), std::max(0.0, v - load)};
+      const double speed = (after - before) / context.step;  // of the goal: q_j itself is held
+      q(j) -= behindAfter(q(j) - memory(j), speed, T, limits, context.step);
     }
     memory = q;
   }

@@ -72,6 +72,10 @@ double blockThreshold(int size) noexcept;
 Eigen::VectorXd motionLosses(const ResidualLayout& layout, const Eigen::VectorXd& residual,
                              const Eigen::VectorXd& scales);
 
+/// Weight of one component of each channel, so that channels count equally however many they have:
+/// the mean count over the channel's own; 0 for a channel without blocks [-].
+Eigen::VectorXd channelWeights(const ResidualLayout& layout);
+
 /// Weight of every row of the residual vector in whitened robust least squares: Huber's weight of
 /// its block over the squared scale of its channel, channels counting equally.
 Eigen::VectorXd rowWeights(const ResidualLayout& layout, const Eigen::VectorXd& residual,

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When a gain on held-out motions is enough to claim a cause: the threshold, corrected for how many
+// hypotheses were tried, and what a recording that is quiet otherwise allows. How large a gain is,
+// is held_out.h; what is tried in which order, selection.h.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+
+#include "raven_correction/diagnosis/held_out.h"
+
+namespace raven_correction {
+
+/// Every claim has to pass this, of a new cause or of one that stays. Either it is a gain beyond
+/// chance over motions; or, where nothing but noise is left of most motions, it explains far more
+/// than noise could in a few of them: a limit that only the fastest motions reach.
+class ClaimRule {
+ public:
+  /// @param least_share  of the held-out loss that a claim must gain [-]
+  ClaimRule(const Recording& recording, const ResidualLayout& layout, double least_share,
+            std::uint64_t seed);
+
+  /// The gain over typical motions must be beyond that of the best of `tried` useless hypotheses,
+  /// but for a chance of `significance`. Until then no gain is enough.
+  void setTried(std::size_t tried, double significance);
+
+  /// How much better `with` explains the held-out motions than `without`, every channel in units of
+  /// its spread in `scales_of`.
+  /// @param without, with, scales_of  residuals, layout.size each
+  LossComparison compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with,
+                         const Eigen::VectorXd& scales_of) const;
+  /// The same at the scales of `without`.
+  LossComparison compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
+    return compare(without, with, without);
+  }
+  bool earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const;
+
+ private:
+  bool isQuiet(const Eigen::VectorXd& residual) const;
+
+  const Recording& recording_;
+  const ResidualLayout& layout_;
+  double least_share_;
+  std::uint64_t seed_;
+  double threshold_;         // of z over typical motions
+  Eigen::VectorXd samples_;  // of each motion, per channel
+};
+
+}  // namespace raven_correction
