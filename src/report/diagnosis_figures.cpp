@@ -206,7 +206,7 @@ Figure causesFigure(const Verdict& verdict) {
   Panel panel;
   panel.width = 460.0;
   panel.height = 70.0 + 24.0 * static_cast<double>(verdict.causes.size());
-  panel.x = Axis("share of the held-out error that is there without this cause", "%");
+  panel.x = Axis("share of the held-out error that goes with it", "%");
   panel.x.lower = 0.0;
   Bars bars;
   bars.horizontal = true;

@@ -20,7 +20,7 @@ std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Cause& ca
 std::string parameterText(const NamedParameter& parameter, const char* plus_minus) {
   std::string text = format("%s = %.4g", parameter.symbol.c_str(), parameter.value);
   if (parameter.deviation > 0.0) text += format(" %s %.2g", plus_minus, parameter.deviation);
-  return parameter.unit.empty() ? text : text + " " + parameter.unit;
+  return parameter.unit.empty() || parameter.unit == "-" ? text : text + " " + parameter.unit;
 }
 
 std::string joined(const std::vector<std::string>& words, const char* last) {

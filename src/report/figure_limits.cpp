@@ -35,8 +35,13 @@ struct Extent {
     includeAll(along, layer.value);
     includeAll(along, layer.lower);
     includeAll(along, layer.upper);
-    if (layer.decimals >= 0 && !along.empty())
-      along.include(along.upper + kNumberRoom * (along.upper - along.lower));
+    if (layer.decimals >= 0) {
+      Range own;
+      own.include(0.0);
+      includeAll(own, layer.value);
+      includeAll(own, layer.upper);
+      along.include(own.upper + kNumberRoom * (own.upper - own.lower));
+    }
     for (const double position : layer.position) {
       across.include(position - 0.5);
       across.include(position + 0.5);

@@ -156,8 +156,12 @@ class PanelWriter {
     const std::string along = labelOf(panel_.x), up = labelOf(panel_.y);
     if (!panel_.title.empty())
       canvas_.text({left_, 17.0}, panel_.title, "start", kTitleSize, "#111111", 0.0, true);
-    if (!along.empty())
-      canvas_.text({left_ + 0.5 * area_.width, panel_.height - 6.0}, along, "middle", kTextSize);
+    if (!along.empty()) {
+      // Under the middle of the axis, but never over the edge of the picture.
+      const double half = 0.5 * textWidth(along, kTextSize) + 2.0;
+      const double middle = std::min(left_ + 0.5 * area_.width, panel_.width - half);
+      canvas_.text({std::max(middle, half), panel_.height - 6.0}, along, "middle", kTextSize);
+    }
     if (!up.empty())
       canvas_.text({13.0, top_ + 0.5 * area_.height}, up, "middle", kTextSize, "#222222", -90.0);
   }
@@ -199,7 +203,7 @@ class PanelWriter {
 struct Swatch {
   SvgCanvas& canvas;
   void operator()(const Points& layer) const {
-    canvas.dots({{7.0, 6.0}, {17.0, 6.0}}, layer.marker, std::max(4.0, layer.size),
+    canvas.dots({{7.0, 6.0}, {17.0, 6.0}}, layer.marker, std::clamp(layer.size, 4.0, 7.0),
                 colourOf(layer.ink), layer.opacity < 0.6 ? 0.6 : layer.opacity);
   }
   void operator()(const Line& layer) const {

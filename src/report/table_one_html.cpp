@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kNarrow = 0.90;  // of what 95 % intervals should cover: below, they mislead [-]
 constexpr double kWide = 0.985;   // above, they say less than the data do [-]
+constexpr double kClearly = 0.9;  // times the error of everything: a simpler method is better [-]
 constexpr double kUneven = 1.5;   // worst over best fold: the folds are not alike [-]
 
 /// The whole table of one configuration, or of the paper.
@@ -148,6 +149,16 @@ void appendVerdict(const TableOneResult& result, HtmlDocument& document) {
         "trajectories, or use the mode \"rigid\".");
   else
     next.emplace_back("Train on all trajectories (train) and switch the correction on.");
+  Method best = kFull;
+  for (const Method method : kMethods)
+    if (meanOfFolds(result, own, method, true).position_norm <
+        kClearly * meanOfFolds(result, own, best, true).position_norm)
+      best = method;
+  if (best != kFull)
+    next.push_back(format(
+        "\"%s\" alone is better here (%.2f mm): there is too little data for what "
+        "comes after it. Record more, or switch that off in the configuration.",
+        methodWords(best), kMillimetre * meanOfFolds(result, own, best, true).position_norm));
   if (full.coverage95.allFinite() && full.coverage95.minCoeff() < kNarrow)
     next.emplace_back(
         "Intervals promise too much: do not let the planner rely on the deviations; "

@@ -60,6 +60,12 @@ void train(const Arguments& arguments) {
   const TrainingConfig config = loadTrainingConfig(
       arguments.config.empty() ? packageFile("config/trainer.yaml") : arguments.config);
   const Dataset all = readInputs(arguments.inputs);
+  constexpr std::size_t kLeast = 3;
+  if (!arguments.report.empty() && all.trajectories.size() < kLeast)
+    throw InvalidInput(
+        format("%s: %zu trajectories; --report judges the model on trajectories left "
+               "out and needs at least %zu: record more, or leave --report out",
+               all.source.c_str(), all.trajectories.size(), kLeast));
   const Dataset dataset =
       arguments.hold_out.empty() ? all : selectFold(all, parseHoldOut(arguments.hold_out), false);
   const auto now = std::chrono::duration_cast<std::chrono::seconds>(

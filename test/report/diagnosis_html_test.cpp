@@ -69,10 +69,18 @@ TEST(DiagnosisHtml, BeginsWithTheVerdictAndWhatToDo) {
 TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
   const nlohmann::json& json = diagnosed().json;
   const std::string& page = diagnosed().page;
-  for (const char* const side : {"before", "after"})
+  const std::pair<const char*, const char*> rows[] = {
+      {"before", "simulation as given"},
+      {"after_alignment", "registration and tool frame alone"},
+      {"after", "all causes, motions held out"}};
+  for (const auto& [side, name] : rows) {
+    if (!json.contains(side)) continue;
+    std::string expected;
     for (const char* const key : {"position_rms_mm", "position_median_mm", "position_p95_mm",
-                                  "orientation_median_deg", "orientation_rms_deg"})
-      EXPECT_TRUE(contains(page, format("%.2f", json[side][key].get<double>()))) << side << key;
+                                  "orientation_rms_deg", "orientation_median_deg"})
+      expected += format("<td class=\"number\">%.2f</td>", json[side][key].get<double>());
+    EXPECT_TRUE(contains(page, "<td>" + std::string(name) + "</td>" + expected)) << side;
+  }
   EXPECT_TRUE(contains(page, format("%.1f %%", json["gain_percent"].get<double>())));
   for (const nlohmann::json& cause : json["causes"]) {
     EXPECT_TRUE(
