@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "observed_samples.h"
 #include "raven_correction/diagnosis/held_out.h"
 #include "raven_correction/geometry/statistics.h"
 #include "raven_correction/robot/gravity_load.h"
@@ -20,41 +21,7 @@ constexpr double kSlow = 0.02;   // of the peak speed: below it a direction is n
 constexpr double kPlays[] = {0.02, 0.15};  // widths, of the range of the joint [-]
 constexpr double kPi = 3.14159265358979323846;
 
-/// One instant with observations of what a person sees.
-struct Sample {
-  int motion = 0;
-  double stamp = 0.0;
-  Eigen::VectorXd joints, speed;
-  std::vector<std::size_t> blocks;
-};
-
-std::vector<Sample> samplesOf(const Recording& recording, const ResidualLayout& layout,
-                              const Eigen::MatrixXd& joints) {
-  std::vector<Sample> samples;
-  std::pair<int, int> last{-1, -1};
-  for (std::size_t i = 0; i < layout.blocks.size(); ++i) {
-    const ResidualBlock& block = layout.blocks[i];
-    if (layout.channels[static_cast<std::size_t>(block.channel)].encoder) continue;
-    if (last != std::make_pair(block.motion, block.sample)) {
-      last = {block.motion, block.sample};
-      const auto& motion = recording.motions[static_cast<std::size_t>(block.motion)];
-      samples.push_back({block.motion,
-                         motion.observations[static_cast<std::size_t>(block.sample)].stamp,
-                         joints.col(static_cast<Eigen::Index>(i)),
-                         Eigen::VectorXd::Zero(joints.rows()),
-                         {}});
-    }
-    samples.back().blocks.push_back(i);
-  }
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const std::size_t a = i > 0 && samples[i - 1].motion == samples[i].motion ? i - 1 : i;
-    const std::size_t b =
-        i + 1 < samples.size() && samples[i + 1].motion == samples[i].motion ? i + 1 : i;
-    const double step = samples[b].stamp - samples[a].stamp;
-    if (step > 0.0) samples[i].speed = (samples[b].joints - samples[a].joints) / step;
-  }
-  return samples;
-}
+using Sample = ObservedSample;
 
 /// Features of one group, one column per sample, of zero mean and unit variance.
 class Features {
@@ -261,6 +228,46 @@ Eigen::MatrixXd heldOutPredictions(const std::vector<Sample>& samples,
   return predictions;
 }
 
+/// A single delay as the only cause: target = mean - delay * simulated velocity, in the units of
+/// the targets; both learnt from the motions of the other folds.
+struct DelayPrediction {
+  Eigen::MatrixXd predictions;
+  double delay = 0.0;  ///< of all motions [s]
+};
+DelayPrediction delayPredictions(const Recording& recording, const std::vector<Sample>& samples,
+                                 const Eigen::MatrixXd& targets, const Eigen::VectorXd& scales,
+                                 const std::vector<int>& channel_of, int folds) {
+  Eigen::MatrixXd velocity(targets.rows(), targets.cols());
+  for (std::size_t s = 0; s < samples.size(); ++s)
+    velocity.row(static_cast<Eigen::Index>(s)) = simulatedVelocity(recording, samples[s]);
+  for (std::size_t k = 0; k < channel_of.size(); ++k)
+    velocity.col(static_cast<Eigen::Index>(k)) /= scales(channel_of[k]);
+  const auto learn = [&](int left_out, Eigen::RowVectorXd& x, Eigen::RowVectorXd& t) {
+    Eigen::VectorXd use(targets.rows());
+    for (std::size_t s = 0; s < samples.size(); ++s)
+      use(static_cast<Eigen::Index>(s)) = samples[s].motion % folds != left_out;
+    const double count = std::max(1.0, use.sum());
+    x = use.transpose() * velocity / count;
+    t = use.transpose() * targets / count;
+    const Eigen::MatrixXd dx = use.asDiagonal() * (velocity.rowwise() - x);
+    const double square = dx.squaredNorm();
+    return square > 0.0 ? -dx.cwiseProduct(targets.rowwise() - t).sum() / square : 0.0;
+  };
+  DelayPrediction result;
+  Eigen::RowVectorXd x, t;
+  result.delay = learn(-1, x, t);
+  result.predictions.resize(targets.rows(), targets.cols());
+  for (int fold = 0; fold < folds; ++fold) {
+    const double delay = learn(fold, x, t);
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      const auto row = static_cast<Eigen::Index>(s);
+      if (samples[s].motion % folds == fold)
+        result.predictions.row(row) = t - delay * (velocity.row(row) - x);
+    }
+  }
+  return result;
+}
+
 /// Mean squares of each motion, channels counting equally.
 Eigen::VectorXd squaresOfMotions(const std::vector<Sample>& samples, const Eigen::MatrixXd& error,
                                  int motions) {
@@ -278,7 +285,7 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
                                     const Eigen::VectorXd& residual, const Eigen::MatrixXd& joints,
                                     int folds, std::uint64_t seed) {
   DependenceResult result;
-  const std::vector<Sample> samples = samplesOf(recording, layout, joints);
+  const std::vector<Sample> samples = observedSamples(recording, layout, joints);
   if (samples.empty()) return result;
   const Eigen::VectorXd scales = channelScales(layout, residual);
   std::vector<int> channel_of;
@@ -299,6 +306,10 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
       {"speed", speedFeatures(samples, extents)},
       {"load", loadFeatures(samples, recording)},
       {"time", timeFeatures(samples)}};
+  const DelayPrediction delay =
+      delayPredictions(recording, samples, targets, scales, channel_of, folds);
+  result.delay = delay.delay;
+  result.on_delay = explained("delay", delay.predictions);
   Features all(samples.size());
   for (const auto& [name, features] : groups) {
     if (features.empty()) continue;

@@ -225,8 +225,9 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.gain_lower = gain.lower;
   verdict.gain_upper = gain.upper;
   verdict.aligned = std::any_of(verdict.causes.begin(), verdict.causes.end(), isAlignment);
+  Eigen::VectorXd aligned;
   if (verdict.aligned) {
-    const Eigen::VectorXd aligned = alignedResidual(recording, layout, base, verdict);
+    aligned = alignedResidual(recording, layout, base, verdict);
     verdict.after_alignment = errorsOf(layout, aligned, verdict.folds, true);
     const Gain from = gainOf(layout, aligned, after, verdict.seed);
     verdict.gain_from_alignment = from.value;
@@ -239,6 +240,7 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.shown =
       residualDependence(recording, layout, before, joints, verdict.folds, verdict.seed);
   verdict.left = residualDependence(recording, layout, after, joints, verdict.folds, verdict.seed);
+  verdict.figures = residualSamples(recording, layout, joints, before, aligned, after);
   const Eigen::VectorXd floor = noiseFloor(recording, layout, after);
   const Eigen::VectorXd scales = channelScales(layout, after);
   judgeWhatIsLeft(isBeyondNoise(layout, after, floor), verdict);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/evaluation/validated_training.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -32,15 +33,6 @@ void split(const Dataset& dataset, Dataset& training, Dataset& held_out) {
     fill([](std::size_t i) { return i % 5 == 0; });
 }
 
-/// Errors of the live model on the same observations, with its own motion features.
-ErrorSummary errorsOfLive(const Correction& live, const Dataset& held_out, double delay,
-                          double max_gap, const std::vector<bool>& clean, const CleanGates& gates) {
-  const Predictor predictor(live);
-  const std::vector<TestState> states =
-      makeTestStates(held_out, live.motion, delay, max_gap, gates);
-  return summarise(pick(errorsOf(states, PredictionKind::kFull, &predictor), clean));
-}
-
 double meanRatio(const ErrorSummary& a, const ErrorSummary& b) {
   return 0.5 * (a.position_norm / b.position_norm + a.angle_norm / b.angle_norm);
 }
@@ -50,7 +42,49 @@ std::string millimetresAndDegrees(const ErrorSummary& summary) {
                 summary.angle_norm * 180.0 / 3.14159265358979323846);
 }
 
+/// The states that a model is judged on, and which of them count.
+struct CleanStates {
+  std::vector<TestState> states;
+  std::vector<bool> clean;
+};
+CleanStates statesFor(const Correction& model, const Dataset& held_out, double max_gap) {
+  MotionOptions motion = model.motion;
+  if (motion.velocity == VelocityKind::kCentral) motion.velocity = VelocityKind::kCausal;
+  CleanStates out;
+  const CleanGates gates;
+  out.states = makeTestStates(held_out, motion, model.delay, max_gap, gates);
+  out.clean = cleanStates(out.states, model.rigid, gates);
+  if (std::none_of(out.clean.begin(), out.clean.end(), [](bool is_clean) { return is_clean; }))
+    throw InvalidInput(
+        format("%s: none of the %zu held-out states passes the gates of the clean "
+               "set; are commands and observations in one frame, in metres?",
+               held_out.source.c_str(), out.states.size()));
+  return out;
+}
+
+/// Errors of the live model on the same observations, with its own motion features.
+ErrorSummary errorsOfLive(const Correction& live, const Dataset& held_out, double delay,
+                          double max_gap, const std::vector<bool>& clean) {
+  const Predictor predictor(live);
+  const std::vector<TestState> states =
+      makeTestStates(held_out, live.motion, delay, max_gap, CleanGates());
+  return summarise(pick(errorsOf(states, PredictionKind::kFull, &predictor), clean));
+}
+
+HeldOutErrors errorsOn(const CleanStates& judged, const Correction& model) {
+  const Predictor predictor(model);
+  const auto errors = [&](PredictionKind kind) {
+    return pick(errorsOf(judged.states, kind, &predictor), judged.clean);
+  };
+  return {errors(PredictionKind::kNone), errors(PredictionKind::kRigid),
+          errors(PredictionKind::kFull)};
+}
+
 }  // namespace
+
+HeldOutErrors heldOutErrors(const Correction& model, const Dataset& held_out, double max_gap) {
+  return errorsOn(statesFor(model, held_out, max_gap), model);
+}
 
 ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig& config,
                                    const Correction* live, double now, const Progress& progress) {
@@ -73,27 +107,13 @@ ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig&
   gaps.max_gap = config.max_gap;
   gaps.max_gap_periods = config.max_gap_periods;
   const double max_gap = commandGapLimit(dataset, gaps);
-  const CleanGates gates;
-  // Deployed models see the past only, also where they were trained with the central stencil.
-  MotionOptions motion = model.motion;
-  if (motion.velocity == VelocityKind::kCentral) motion.velocity = VelocityKind::kCausal;
-  const std::vector<TestState> states =
-      makeTestStates(held_out, motion, model.delay, max_gap, gates);
-  const std::vector<bool> clean = cleanStates(states, model.rigid, gates);
-  const Predictor predictor(model);
-  const auto errors = [&](PredictionKind kind) {
-    return summarise(pick(errorsOf(states, kind, &predictor), clean));
-  };
-  result.none = errors(PredictionKind::kNone);
-  result.rigid = errors(PredictionKind::kRigid);
-  result.full = errors(PredictionKind::kFull);
-  if (result.full.n == 0)
-    throw InvalidInput(
-        format("%s: none of the %zu held-out states passes the gates of the clean "
-               "set; are commands and observations in one frame, in metres?",
-               dataset.source.c_str(), states.size()));
+  const CleanStates judged = statesFor(model, held_out, max_gap);
+  result.errors = errorsOn(judged, model);
+  result.none = summarise(result.errors.none);
+  result.rigid = summarise(result.errors.rigid);
+  result.full = summarise(result.errors.full);
   if (live != nullptr)
-    result.live = errorsOfLive(*live, held_out, model.delay, max_gap, clean, gates);
+    result.live = errorsOfLive(*live, held_out, model.delay, max_gap, judged.clean);
   const ErrorSummary& reference = result.live ? *result.live : result.none;
   const double ratio = meanRatio(result.full, reference);
   result.better = ratio < 1.0;

@@ -1,48 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/report/diagnosis_report.h"
 
+#include "diagnosis_words.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 
 namespace raven_correction {
 namespace {
-
-constexpr double kPercent = 100.0;
-
-/// Parameters of a cause with what a person calls them: the symbol alone, as the cause names the
-/// joints.
-struct NamedParameter {
-  std::string symbol, unit;
-  double value, deviation;
-};
-std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Cause& cause) {
-  std::vector<NamedParameter> named;
-  for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i) {
-    const EffectParameter parameter =
-        parameterOf(verdict.simulation, cause.hypothesis.parameters[i]);
-    const auto k = static_cast<Eigen::Index>(i);
-    named.push_back({parameter.symbol, parameter.unit, cause.values(k), cause.deviations(k)});
-  }
-  return named;
-}
-
-std::string joined(const std::vector<std::string>& words, const char* last) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? std::string(" ") + last + " " : ", ") + words[i];
-  return text;
-}
-
-std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause) {
-  std::vector<std::string> labels;
-  for (const Hypothesis& equal : cause.equals)
-    labels.push_back(hypothesisLabel(equal, verdict.simulation.robot));
-  return labels;
-}
-
-const char* jointUnit(const Verdict& verdict, std::size_t joint) {
-  return verdict.prismatic[joint] ? "m" : "rad";
-}
 
 std::string errorsText(const Verdict& verdict, const char* name, const DiagnosisErrors& errors) {
   const ErrorSizes& sizes = errors.sizes;
@@ -57,7 +21,7 @@ std::string errorsText(const Verdict& verdict, const char* name, const Diagnosis
 
 std::string dependenceText(const char* what, const DependenceResult& result) {
   std::string text = format("  %-12s", what);
-  for (const Dependence& group : result.groups)
+  for (const Dependence& group : orderedGroups(result))
     text += format("  %s %.0f %%", group.on.c_str(), kPercent * std::max(0.0, group.share));
   return text + format("  together %.0f %%\n", kPercent * std::max(0.0, result.anything.share));
 }
@@ -106,7 +70,7 @@ Json intervalJson(double lower, double upper) { return {kPercent * lower, kPerce
 
 Json dependenceJson(const DependenceResult& result) {
   Json json = Json::object();
-  std::vector<Dependence> groups = result.groups;
+  std::vector<Dependence> groups = orderedGroups(result);
   groups.push_back(result.anything);
   for (const Dependence& group : groups)
     json[group.on] = {{"share_percent", kPercent * group.share},
@@ -143,11 +107,7 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
   const Cause& cause = verdict.causes[index];
   std::string text = verdict.labels[index] + ":";
   for (const NamedParameter& parameter : parametersOf(verdict, cause))
-    text += parameter.deviation > 0.0
-                ? format(" %s = %.4g +- %.2g %s,", parameter.symbol.c_str(), parameter.value,
-                         parameter.deviation, parameter.unit.c_str())
-                : format(" %s = %.4g %s,", parameter.symbol.c_str(), parameter.value,
-                         parameter.unit.c_str());
+    text += " " + parameterText(parameter, "+-") + ",";
   text += format(" explains %.1f %% (%.1f..%.1f %%)", kPercent * cause.share,
                  kPercent * cause.lower, kPercent * cause.upper);
   if (cause.has_runner_up)
@@ -164,21 +124,7 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
 
 std::string diagnosisText(const Verdict& verdict) {
   std::string text = causesText(verdict);
-  if (verdict.unexplained) {
-    text += "Structure is left that no cause in the catalogue explains";
-    if (!verdict.predicted)
-      text += ": it is larger than the noise, but nothing that was tried predicts it";
-    else if (verdict.depends_on.empty())
-      text += ": several things together predict a part of it";
-    else
-      text += ": it depends on " + joined(verdict.depends_on, "and");
-    text += verdict.has_kinematics ? format(" (%.2f mm, %.2f deg beyond the noise).\n",
-                                            kMillimetre * verdict.structure_position,
-                                            kDegree * verdict.structure_orientation)
-                                   : std::string(".\n");
-  } else {
-    text += "What is left has no structure that could be predicted.\n";
-  }
+  text += unexplainedText(verdict) + "\n";
   text += verdict.has_kinematics
               ? format("\n  %-34s %7s %7s %7s   %7s\n", "", "RMS mm", "median", "p95", "deg")
               : "\n  RMS [rad or m]                    ";

@@ -12,6 +12,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDegree = 180.0 / 3.14159265358979323846;  ///< deg per rad
 constexpr double kMillimetre = 1e3;                         ///< mm per m
+constexpr double kPercent = 100.0;
 
 inline const char* const kVariables[6] = {"tx", "ty", "tz", "yaw", "pitch", "roll"};
 inline double unitOf(int variable) { return variable < 3 ? kMillimetre : kDegree; }

@@ -3,44 +3,12 @@
 
 #include <cmath>
 
+#include "paper_table_one.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 
 namespace raven_correction {
 namespace {
-
-constexpr Method kMethods[6] = {
-    Method::kNone,    Method::kRigid,           Method::kRigidClean,
-    Method::kRigidGp, Method::kRigidGpVelocity, Method::kRigidGpVelocityClean};
-
-/// Of the process: position in the base frame, rotation vector.
-const char* const kOutputs[6] = {"dx", "dy", "dz", "rx", "ry", "rz"};
-
-struct MeanStd {
-  double mean, std;
-};
-
-/// Table I of Mahler et al. 2014 (mm, deg): variables in rows, methods in columns.
-constexpr MeanStd kPaperDirty[6][6] = {
-    {{17.6, 8.3}, {4.2, 10.2}, {2.6, 4.6}, {4.2, 9.9}, {1.6, 3.9}, {1.6, 1.6}},
-    {{17.5, 5.0}, {6.0, 4.7}, {5.9, 3.9}, {2.6, 3.8}, {1.6, 1.9}, {1.5, 1.5}},
-    {{9.0, 7.4}, {8.3, 7.2}, {8.1, 6.4}, {2.3, 5.1}, {1.5, 2.2}, {1.4, 1.6}},
-    {{5.5, 10.4}, {4.9, 9.8}, {4.6, 7.8}, {2.0, 7.1}, {1.8, 3.4}, {1.4, 2.3}},
-    {{11.6, 9.3}, {7.7, 9.4}, {6.9, 7.0}, {3.2, 7.9}, {1.9, 3.6}, {1.5, 1.8}},
-    {{22.3, 22.5}, {7.3, 23.6}, {12.0, 21.9}, {1.7, 9.4}, {2.1, 3.4}, {1.7, 3.3}}};
-constexpr MeanStd kPaperClean[6][6] = {
-    {{17.4, 2.6}, {2.9, 2.3}, {2.6, 2.1}, {3.4, 3.2}, {1.3, 1.3}, {1.4, 1.7}},
-    {{17.1, 4.1}, {5.8, 3.5}, {4.0, 4.2}, {2.2, 2.1}, {1.5, 1.6}, {1.4, 1.5}},
-    {{7.5, 4.2}, {7.8, 6.2}, {7.1, 5.3}, {1.6, 1.5}, {1.3, 1.3}, {1.1, 1.2}},
-    {{3.2, 2.7}, {2.8, 1.8}, {2.9, 6.2}, {1.3, 1.8}, {1.5, 2.1}, {1.3, 2.0}},
-    {{10.8, 6.4}, {6.0, 2.3}, {5.9, 4.2}, {2.3, 2.3}, {1.7, 2.0}, {1.6, 1.9}},
-    {{16.6, 9.8}, {6.3, 3.2}, {6.6, 9.8}, {1.7, 3.2}, {2.0, 3.4}, {1.9, 3.1}}};
-
-double paperNorm(const MeanStd (&table)[6][6], int method, int first) {
-  double sum = 0.0;
-  for (int v = first; v < first + 3; ++v) sum += table[v][method].mean * table[v][method].mean;
-  return std::sqrt(sum);
-}
 
 const char* const kHeader =
     "                     none         rigid       rigid +      rigid +          + vel.    + vel. "
@@ -90,7 +58,7 @@ void appendTable(const TableOneResult& result, const std::string& configuration,
                          [v](const ErrorSummary& s) { return s.nlpd(v); });
 }
 
-void appendPaper(const MeanStd (&table)[6][6], std::string& text) {
+void appendPaper(const PaperTable& table, std::string& text) {
   for (int v = 0; v < 6; ++v) {
     text += format("  %-5s %-4s", kVariables[v], unitName(v));
     for (int m = 0; m < 6; ++m)
@@ -133,10 +101,7 @@ std::string foldName(int fold) { return fold == kMeanOfFolds ? "mean" : std::to_
 }  // namespace
 
 std::string tableOneText(const TableOneResult& result) {
-  std::vector<std::string> configurations;
-  for (const TableOneRow& row : result.rows)
-    if (configurations.empty() || configurations.back() != row.configuration)
-      configurations.push_back(row.configuration);
+  const std::vector<std::string> configurations = configurationsOf(result);
   std::string text =
       "Table I: mean +- standard deviation of |error| between predicted and real command, on\n"
       "trajectories not used in training. norm: of the three means. in tool: norm of the mean\n"
@@ -156,7 +121,7 @@ std::string tableOneText(const TableOneResult& result) {
     }
     text += format("\n%s test set, as printed in the paper (Mahler et al. 2014, Table I)\n", set);
     text += kHeader;
-    appendPaper(clean ? kPaperClean : kPaperDirty, text);
+    appendPaper(paperTable(clean), text);
   }
   text += format("\ndelay of the observation behind the command: %.4f s\n", result.delay);
   text += format("observations: %zu in all, %s\n", result.fates.total(),

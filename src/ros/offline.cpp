@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "raven_correction/error.h"
+#include "raven_correction/ros/command_record.h"
 
 namespace raven_correction {
 
@@ -58,6 +59,7 @@ void showProgress(const std::string& phase, double fraction) {
 }
 
 int runOffline(int argc, char** argv) {
+  setCommandLine(argc, argv);
   CLI::App app(
       "raven_correction without a ROS master. INPUT is a bag or a data set directory.\n"
       "Exit code: 0 success, 2 bad usage or bad input, 1 failure.");

@@ -2,10 +2,13 @@
 // offline diagnose: what the simulation gets wrong about a recording, and why.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <fstream>
 #include <memory>
 
 #include "raven_correction/error.h"
+#include "raven_correction/report/diagnosis_html.h"
 #include "raven_correction/report/diagnosis_report.h"
+#include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 
@@ -14,7 +17,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs, prismatic;
-  std::string simulation, output, json, from = "commands";
+  std::string simulation, output, json, report, from = "commands";
   bool ignore_encoders = false;
   DiagnosisOptions options;
 };
@@ -39,10 +42,12 @@ std::vector<bool> prismaticJoints(const Dataset& dataset, const std::vector<std:
 void diagnoseInput(const Arguments& arguments) {
   checkOutputFile(arguments.output, false);
   checkOutputFile(arguments.json, true);
+  checkOutputFile(arguments.report, true);
   const Dataset dataset = readInputs(arguments.inputs);
-  const SimulationConfig simulation = loadSimulationConfig(
-      arguments.simulation.empty() ? packageFile("config/simulation/nominal.yaml")
-                                   : arguments.simulation);
+  const std::string simulation_file = arguments.simulation.empty()
+                                          ? packageFile("config/simulation/nominal.yaml")
+                                          : arguments.simulation;
+  const SimulationConfig simulation = loadSimulationConfig(simulation_file);
   if (isJointData(dataset) && !arguments.output.empty())
     throw InvalidInput(format("-o %s: joint data has no robot to simulate; leave -o out",
                               arguments.output.c_str()));
@@ -57,6 +62,21 @@ void diagnoseInput(const Arguments& arguments) {
   showProgress("done", 1.0);
   std::fputs(diagnosisText(verdict).c_str(), stdout);
   if (!arguments.json.empty()) writeTextFile(arguments.json, diagnosisJson(verdict));
+  if (!arguments.report.empty()) {
+    RunRecord run = recordRun(arguments.inputs);
+    run.settings = {
+        {"simulation", arguments.simulation.empty()
+                           ? "config/simulation/nominal.yaml of the package"
+                           : arguments.simulation},
+        {"driven by", arguments.from},
+        {"at most so many samples", options.recording.max_samples == 0
+                                        ? "all"
+                                        : std::to_string(options.recording.max_samples)}};
+    std::ifstream file(simulation_file);
+    run.configuration.assign(std::istreambuf_iterator<char>(file), {});
+    writeTextFile(arguments.report,
+                  diagnosisHtml(verdict, streamHealth(dataset), arguments.output, run));
+  }
   if (arguments.output.empty()) return;
   verdict.simulation.name = simulation.name + "_extended";
   verdict.simulation.description = "extended by what the diagnosis of " + dataset.name + " found";
@@ -77,6 +97,8 @@ void addDiagnoseCommand(CLI::App& app) {
                       "simulation file; default: config/simulation/nominal.yaml of the package");
   command->add_option("-o,--output", arguments->output, "extended simulation file to write");
   command->add_option("--json", arguments->json, "write the verdict as JSON");
+  command->add_option("--report", arguments->report,
+                      "write the verdict as a page with figures (HTML, one file)");
   command
       ->add_option("--from", arguments->from,
                    "what drives the simulation: commands, or encoders (then only what lies behind "

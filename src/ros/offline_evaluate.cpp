@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "raven_correction/evaluation/table_one.h"
+#include "raven_correction/report/table_one_html.h"
 #include "raven_correction/report/table_one_report.h"
+#include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 
@@ -13,16 +15,19 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs, tests;
-  std::string config, json;
+  std::string config, json, report;
 };
 
 void evaluate(const Arguments& arguments) {
   checkOutputFile(arguments.json, true);
+  checkOutputFile(arguments.report, true);
   TableOneProblem problem;
   problem.configurations = {
       {"paper", loadTrainingConfig(packageFile("config/trainer_case2014.yaml"))},
       {"best", loadTrainingConfig(arguments.config.empty() ? packageFile("config/trainer.yaml")
                                                            : arguments.config)}};
+  ErrorSamples samples;
+  if (!arguments.report.empty()) problem.observer = samples.observer();
   const Dataset dataset = readInputs(arguments.inputs);
   const TableOneResult result =
       arguments.tests.empty()
@@ -30,6 +35,17 @@ void evaluate(const Arguments& arguments) {
           : evaluateOn(dataset, readInputs(arguments.tests), problem, showProgress);
   std::fputs(tableOneText(result).c_str(), stdout);
   if (!arguments.json.empty()) writeTextFile(arguments.json, tableOneJson(result));
+  if (arguments.report.empty()) return;
+  std::vector<std::string> inputs = arguments.inputs;
+  inputs.insert(inputs.end(), arguments.tests.begin(), arguments.tests.end());
+  RunRecord run = recordRun(inputs);
+  run.settings = {
+      {"configuration \"best\"",
+       arguments.config.empty() ? "config/trainer.yaml of the package" : arguments.config},
+      {"configuration \"paper\"", "config/trainer_case2014.yaml of the package"},
+      {"seed", std::to_string(problem.configurations.back().second.process.seed)}};
+  run.configuration = problem.configurations.back().second.text;
+  writeTextFile(arguments.report, tableOneHtml(result, samples, streamHealth(dataset), run));
 }
 
 }  // namespace
@@ -46,6 +62,8 @@ void addEvaluateCommand(CLI::App& app) {
   command->add_option("--config", arguments->config,
                       "configuration \"best\"; default: config/trainer.yaml of the package");
   command->add_option("--json", arguments->json, "write the numbers as JSON");
+  command->add_option("--report", arguments->report,
+                      "write the tables as a page with figures (HTML, one file)");
   command->callback([arguments] { evaluate(*arguments); });
 }
 

@@ -5,7 +5,9 @@
 #include <memory>
 
 #include "raven_correction/evaluation/fidelity.h"
+#include "raven_correction/report/fidelity_html.h"
 #include "raven_correction/report/fidelity_report.h"
+#include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 
@@ -13,12 +15,13 @@ namespace raven_correction {
 namespace {
 
 struct FidelityArguments {
-  std::string input, simulation, config, hold_out = "0/5", json;
+  std::string input, simulation, config, hold_out = "0/5", json, report;
   std::uint64_t seed = 1;
 };
 
 void fidelity(const FidelityArguments& arguments) {
   checkOutputFile(arguments.json, true);
+  checkOutputFile(arguments.report, true);
   FidelityProblem problem;
   problem.simulation = loadSimulationConfig(
       arguments.simulation.empty() ? packageFile("config/simulation/raven2_left_case2014.yaml")
@@ -27,10 +30,21 @@ void fidelity(const FidelityArguments& arguments) {
       arguments.config.empty() ? packageFile("config/trainer.yaml") : arguments.config);
   problem.hold_out = parseHoldOut(arguments.hold_out);
   problem.seed = arguments.seed;
-  const FidelityResult result =
-      compareFidelity(readInputs({arguments.input}), problem, showProgress);
+  const Dataset dataset = readInputs({arguments.input});
+  const FidelityResult result = compareFidelity(dataset, problem, showProgress);
   std::fputs(fidelityText(result).c_str(), stdout);
   if (!arguments.json.empty()) writeTextFile(arguments.json, fidelityJson(result));
+  if (arguments.report.empty()) return;
+  RunRecord run = recordRun({arguments.input});
+  run.settings = {{"simulation", arguments.simulation.empty()
+                                     ? "config/simulation/raven2_left_case2014.yaml of the package"
+                                     : arguments.simulation},
+                  {"configuration", arguments.config.empty() ? "config/trainer.yaml of the package"
+                                                             : arguments.config},
+                  {"hold-out", arguments.hold_out},
+                  {"seed", std::to_string(arguments.seed)}};
+  run.configuration = problem.training.text;
+  writeTextFile(arguments.report, fidelityHtml(result, streamHealth(dataset), run));
 }
 
 }  // namespace
@@ -53,6 +67,8 @@ void addExperimentCommand(CLI::App& app) {
                       "K/N: figures come from trajectory i where i % N == K; default 0/5");
   command->add_option("--seed", arguments->seed, "of the simulated motion capture; default 1");
   command->add_option("--json", arguments->json, "write the rows as JSON");
+  command->add_option("--report", arguments->report,
+                      "write the comparison as a page with figures (HTML, one file)");
   command->callback([arguments] { fidelity(*arguments); });
 }
 

@@ -5,7 +5,10 @@
 #include <memory>
 
 #include "raven_correction/correction/training.h"
+#include "raven_correction/error.h"
+#include "raven_correction/report/training_html.h"
 #include "raven_correction/report/training_report.h"
+#include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
@@ -15,18 +18,56 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string output, config, hold_out, json;
+  std::string output, config, hold_out, json, report;
   bool force = false;
 };
+
+/// The model is judged on the trajectories that were left out of it. Where none were, one that was
+/// trained in the same way on four fifths is judged on the last fifth.
+TrainingPage pageOf(const TrainingResult& result, const Dataset& all, const Dataset& learnt,
+                    const TrainingConfig& config, const std::string& hold_out) {
+  TrainingPage page;
+  SynchronisationOptions gaps;
+  gaps.max_gap = config.max_gap;
+  gaps.max_gap_periods = config.max_gap_periods;
+  const double max_gap = commandGapLimit(all, gaps);
+  if (!hold_out.empty()) {
+    const Dataset left_out = selectFold(all, parseHoldOut(hold_out), true);
+    page.held_out = heldOutErrors(result.model, left_out, max_gap);
+    page.judged =
+        format("This model was judged on the %zu trajectories that --hold-out %s left out.",
+               left_out.trajectories.size(), hold_out.c_str());
+  } else {
+    const Dataset left_out = selectFold(all, HoldOut{0, 5}, true);
+    const TrainingResult partial = train(
+        selectFold(all, HoldOut{0, 5}, false), config, 0.0,
+        [](const std::string& phase, double part) { showProgress("report: " + phase, part); });
+    page.held_out = heldOutErrors(partial.model, left_out, max_gap);
+    page.judged = format(
+        "This model has seen all trajectories; one trained in the same way without "
+        "every fifth of them was judged on those %zu.",
+        left_out.trajectories.size());
+  }
+  page.coverage = workspaceCoverage(learnt, config, result.model.delay);
+  page.streams = streamHealth(all);
+  return page;
+}
 
 void train(const Arguments& arguments) {
   checkOutputFile(arguments.output, arguments.force);
   checkOutputFile(arguments.json, true);
+  checkOutputFile(arguments.report, true);
   const TrainingConfig config = loadTrainingConfig(
       arguments.config.empty() ? packageFile("config/trainer.yaml") : arguments.config);
-  Dataset dataset = readInputs(arguments.inputs);
-  if (!arguments.hold_out.empty())
-    dataset = selectFold(dataset, parseHoldOut(arguments.hold_out), false);
+  const Dataset all = readInputs(arguments.inputs);
+  constexpr std::size_t kLeast = 3;
+  if (!arguments.report.empty() && all.trajectories.size() < kLeast)
+    throw InvalidInput(
+        format("%s: %zu trajectories; --report judges the model on trajectories left "
+               "out and needs at least %zu: record more, or leave --report out",
+               all.source.c_str(), all.trajectories.size(), kLeast));
+  const Dataset dataset =
+      arguments.hold_out.empty() ? all : selectFold(all, parseHoldOut(arguments.hold_out), false);
   const auto now = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::system_clock::now().time_since_epoch());
   const TrainingResult result =
@@ -36,6 +77,14 @@ void train(const Arguments& arguments) {
   std::printf("model %s written to %s\n", result.model.id.c_str(), arguments.output.c_str());
   if (!arguments.json.empty())
     writeTextFile(arguments.json, trainingJson(result, arguments.output));
+  if (arguments.report.empty()) return;
+  TrainingPage page = pageOf(result, all, dataset, config, arguments.hold_out);
+  page.model_file = arguments.output;
+  RunRecord run = recordRun(arguments.inputs);
+  run.settings = {{"configuration", arguments.config.empty() ? "config/trainer.yaml of the package"
+                                                             : arguments.config},
+                  {"seed", std::to_string(config.process.seed)}};
+  writeTextFile(arguments.report, trainingHtml(result, page, run));
 }
 
 }  // namespace
@@ -50,6 +99,8 @@ void addTrainCommand(CLI::App& app) {
   command->add_option("--hold-out", arguments->hold_out,
                       "K/N: leave out trajectory i where i % N == K (zero-based, by start time)");
   command->add_option("--json", arguments->json, "write the numbers as JSON");
+  command->add_option("--report", arguments->report,
+                      "write what was learnt as a page with figures (HTML, one file)");
   command->add_flag("--force", arguments->force, "replace the model file if it exists");
   command->callback([arguments] { train(*arguments); });
 }

@@ -210,6 +210,27 @@ TEST_F(OfflineTest, ExperimentFidelityWritesItsRows) {
   expectRefused(offline({"experiment", "fidelity", session_, "--hold-out", "5/5"}), "5/5");
 }
 
+// A page says how it was made: the command, which can be pasted, and its inputs.
+TEST_F(OfflineTest, ReportsSayWhereTheyComeFrom) {
+  const std::string page = folder_.path() + "/my page.html";
+  ASSERT_EQ(offline({"train", session_, "-o", model_, "--config", config_, "--hold-out", "1/5",
+                     "--report", page})
+                .code,
+            0);
+  std::ostringstream text;
+  text << std::ifstream(page).rdbuf();
+  const std::string html = text.str();
+  for (const std::string& part :
+       {std::string("./run offline train "), "&#39;" + page + "&#39;", session_ + "/commands.csv",
+        std::string("--hold-out 1/5 left out"), std::string("max_hyper_points: 80")})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  expectRefused(offline({"train", session_, "-o", folder_.path() + "/other.bag", "--report",
+                         folder_.path() + "/nowhere/page.html"}),
+                "no such directory");
+  expectRefused(offline({"diagnose", session_, "--report", folder_.path() + "/nowhere/r.html"}),
+                "no such directory");
+}
+
 TEST_F(OfflineTest, BadInputIsExitCodeTwoWithTheReasonAndNothingWritten) {
   expectRefused(offline({"train", "/nowhere", "-o", model_}), "/nowhere");
   expectRefused(offline({"train", session_, "-o", model_, "--config", "/nowhere.yaml"}),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a residual depends on, whatever the cause: the share of it that position, direction of
-// motion, speed, load or time predict on motions not learnt from. Naming a physical cause is
+// What a residual depends on, whatever the cause: the share of it that a delay, position, direction
+// of motion, speed, load or time predict on motions not learnt from. Naming a physical cause is
 // selection.h.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace raven_correction {
 
 /// What one group of features predicts.
 struct Dependence {
-  std::string on;      ///< "position", "direction", "speed", "load", "time", or "anything"
+  std::string on;      ///< "delay", "position", "direction", "speed", "load", "time", or "anything"
   double share = 0.0;  ///< of the squared residual about its mean, channels equal [-]
   double lower = 0.0;  ///< 95 % interval over motions
   double upper = 0.0;
@@ -23,6 +23,8 @@ struct Dependence {
 struct DependenceResult {
   std::vector<Dependence> groups;
   Dependence anything;            ///< all groups together
+  Dependence on_delay;            ///< what one delay of everything would explain; speed contains it
+  double delay = 0.0;             ///< that delay [s]
   double position_rms = 0.0;      ///< of what they predict of the position [m]; 0 for joint data
   double orientation_rms = 0.0;   ///< of what they predict of the orientation [rad]
   std::vector<double> joint_rms;  ///< joint data: of what they predict of each joint [rad or m]
@@ -31,6 +33,7 @@ struct DependenceResult {
 /// Ridge regression of the residual on functions of the simulated joints, group by group, each
 /// motion predicted from the motions of the other folds:
 ///
+///   delay      one delay of everything: a multiple of the velocity of what was seen
 ///   position   polynomials of second order and waves of two lengths of every joint
 ///   direction  smoothed signs of the joint speeds, and the state of plays of two widths (history)
 ///   speed      joint speeds, their size and square

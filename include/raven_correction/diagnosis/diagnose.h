@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "raven_correction/diagnosis/dependence.h"
+#include "raven_correction/diagnosis/residual_samples.h"
 #include "raven_correction/diagnosis/selection.h"
 
 namespace raven_correction {
@@ -58,6 +59,7 @@ struct Verdict {
 
   DependenceResult shown;    ///< what the residual before depends on
   DependenceResult left;     ///< what the residual after depends on
+  ResidualSamples figures;   ///< the residual before and after, sample by sample
   bool unexplained = false;  ///< structure is left that the catalogue does not explain
   bool predicted = false;    ///< position, direction, speed, load or time predict a part of it
   /// Size of what is left beyond the noise floor: robust RMS length [m], angle [rad], or per joint.

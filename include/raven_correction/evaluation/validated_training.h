@@ -5,16 +5,27 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "raven_correction/correction/training.h"
 #include "raven_correction/evaluation/test_states.h"
 
 namespace raven_correction {
 
+/// Errors of a model on the clean states of trajectories that it was not fitted to, one by one.
+struct HeldOutErrors {
+  std::vector<PoseError> none, rigid, full;  ///< the same states
+};
+/// Deployed models see the past only, also where they were trained with the central stencil.
+/// @param max_gap  longest interval of commands bridged [s]
+/// @throws InvalidInput  no state passes the gates of the clean set
+HeldOutErrors heldOutErrors(const Correction& model, const Dataset& held_out, double max_gap);
+
 struct ValidatedTraining {
   TrainingResult training;  ///< fitted without the held-out trajectories; held_out is filled in
   std::size_t held_out_trajectories = 0;
   ErrorSummary none, rigid, full;    ///< on the clean held-out states
+  HeldOutErrors errors;              ///< that they are the summaries of
   std::optional<ErrorSummary> live;  ///< the model that is live now, on the same states
   bool better = false;               ///< may replace the live model (or no correction)
   std::string verdict;               ///< the comparison in one sentence

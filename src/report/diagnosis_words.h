@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a verdict is put into words, for the terminal and for the page: names, units, lists. What the
+// words say is diagnosis_report.cpp and diagnosis_html.cpp.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven_correction/diagnosis/diagnose.h"
+
+namespace raven_correction {
+
+/// Parameters of a cause with what a person calls them: the symbol alone, as the cause names the
+/// joints.
+struct NamedParameter {
+  std::string symbol, unit;
+  double value, deviation;
+};
+std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Cause& cause);
+/// "w = 0.031 +- 0.001 rad"; without a deviation where it has none.
+std::string parameterText(const NamedParameter& parameter, const char* plus_minus);
+
+/// "a, b and c".
+std::string joined(const std::vector<std::string>& words, const char* last);
+
+std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause);
+/// "m" or "rad".
+const char* jointUnit(const Verdict& verdict, std::size_t joint);
+
+/// All that a residual was held against, the single delay first, without the sum of them.
+std::vector<Dependence> orderedGroups(const DependenceResult& result);
+
+/// What is left, in one sentence.
+std::string unexplainedText(const Verdict& verdict);
+
+}  // namespace raven_correction

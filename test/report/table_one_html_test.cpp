@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/report/table_one_html.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "raven_correction/error.h"
+#include "raven_correction/report/table_one_report.h"
+#include "raven_correction/simulation/session.h"
+#include "report/page.h"
+
+namespace raven_correction {
+namespace {
+
+TrainingConfig quick() {
+  TrainingConfig config = loadTrainingConfig("config/trainer.yaml");
+  config.process.criterion = HyperCriterion::kLikelihood;
+  config.process.backend = GpBackend::kExact;
+  config.process.max_hyper_points = 80;
+  config.process.max_exact_points = 150;
+  config.process.groups = {{0, 1, 2, 3, 4, 5}};
+  config.process.ard = false;
+  config.tie_vectors = false;
+  return config;
+}
+
+struct Evaluated {
+  Dataset dataset;
+  TableOneResult table;
+  ErrorSamples samples;
+  std::string page;
+};
+const Evaluated& evaluated() {
+  static const Evaluated* const result = [] {
+    auto* const all = new Evaluated;
+    all->dataset =
+        simulateSession(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"), 10, 3);
+    TableOneProblem problem;
+    problem.configurations = {{"paper", quick()}, {"best", quick()}};
+    problem.observer = all->samples.observer();
+    all->table = crossValidate(all->dataset, problem);
+    all->page =
+        withPlainSpaces(tableOneHtml(all->table, all->samples, streamHealth(all->dataset), {}));
+    return all;
+  }();
+  return *result;
+}
+
+TEST(TableOneHtml, IsOneWellFormedFileWithoutAnythingOutside) {
+  EXPECT_EQ(problemsOf(evaluated().page), "");
+  EXPECT_LT(evaluated().page.size(), 1000000u);
+  EXPECT_LT(evaluated().page.find("What to do next"), evaluated().page.find("<figure>"));
+  EXPECT_EQ(count(evaluated().page, "<em>Good:</em>"), count(evaluated().page, "<figure>"));
+}
+
+TEST(TableOneHtml, SaysTheNumbersOfTheJson) {
+  const auto json = nlohmann::json::parse(tableOneJson(evaluated().table));
+  int rows = 0;
+  for (const auto& row : json["rows"]) {
+    if (row["fold"] != "mean") continue;
+    ++rows;
+    for (const char* const key : {"position_norm_mm", "angle_norm_deg", "position_median_mm",
+                                  "position_p95_mm", "angle_mean_deg"})
+      EXPECT_TRUE(contains(evaluated().page, ">" + format("%.2f", row[key].get<double>()) + "<"))
+          << row["method"] << key;
+    EXPECT_TRUE(contains(evaluated().page,
+                         format("%.2f \xC2\xB1 %.2f", row["mean_abs"]["tx_mm"].get<double>(),
+                                row["std"]["tx_mm"].get<double>())));
+  }
+  EXPECT_EQ(rows, 24);
+  for (const auto& [reason, number] : json["cleaning"]["rejected"].items())
+    EXPECT_TRUE(contains(evaluated().page, reason + "</td><td class=\"number\">" +
+                                               std::to_string(number.get<int>())));
+}
+
+TEST(TableOneHtml, PrintsThePaperBesideIt) {
+  EXPECT_TRUE(contains(evaluated().page, "17.4 \xC2\xB1 2.6"));
+  EXPECT_TRUE(contains(evaluated().page, "as printed in the paper"));
+}
+
+TEST(ErrorSamples, ComeToTheTable) {
+  const ErrorSeries& series = evaluated().samples.find("best", Method::kRigidGpVelocityClean, true);
+  const ErrorSummary& row =
+      evaluated().table.row("best", Method::kRigidGpVelocityClean, true, kMeanOfFolds).errors;
+  EXPECT_EQ(series.position.size(), row.n);
+  EXPECT_EQ(series.standardised.size(), row.n);
+  EXPECT_TRUE(evaluated().samples.find("best", Method::kRigid, true).standardised.empty());
+  EXPECT_THROW(evaluated().samples.find("nothing", Method::kRigid, true), InvalidInput);
+}
+
+// Normal numbers fill normal intervals.
+TEST(CoverageOf, NormalNumbersIsTheDiagonal) {
+  std::vector<Eigen::Matrix<double, 6, 1>> standardised;
+  const int n = 4000;
+  for (int i = 0; i < n; ++i) {
+    // Inverse of the normal distribution at (i + 1/2) / n, by bisection.
+    double lower = -8.0, upper = 8.0;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (lower + upper);
+      (0.5 * std::erfc(-middle / std::sqrt(2.0)) < (i + 0.5) / n ? lower : upper) = middle;
+    }
+    standardised.emplace_back(Eigen::Matrix<double, 6, 1>::Constant(lower));
+  }
+  const CoverageCurve curve = coverageOf(standardised);
+  for (std::size_t k = 0; k < curve.nominal.size(); ++k)
+    EXPECT_NEAR(curve.observed(static_cast<Eigen::Index>(k), 4), curve.nominal[k], 1.0 / n);
+  for (auto& z : standardised) z *= 2.0;  // deviations half as large as the errors
+  EXPECT_LT(coverageOf(standardised).observed(9, 0), 0.35);
+  EXPECT_TRUE(coverageOf({}).nominal.empty());
+}
+
+}  // namespace
+}  // namespace raven_correction

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/report/training_html.h"
+
+#include <nlohmann/json.hpp>
+
+#include "raven_correction/error.h"
+#include "raven_correction/report/fidelity_html.h"
+#include "raven_correction/report/training_report.h"
+#include "raven_correction/simulation/session.h"
+#include "report/page.h"
+
+namespace raven_correction {
+namespace {
+
+TrainingConfig quick() {
+  TrainingConfig config = loadTrainingConfig("config/trainer.yaml");
+  config.process.criterion = HyperCriterion::kLikelihood;
+  config.process.backend = GpBackend::kExact;
+  config.process.max_hyper_points = 80;
+  config.process.max_exact_points = 150;
+  config.process.groups = {{0, 1, 2, 3, 4, 5}};
+  config.process.ard = false;
+  config.tie_vectors = false;
+  return config;
+}
+
+const Dataset& session() {
+  static const Dataset dataset =
+      simulateSession(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"), 12, 3);
+  return dataset;
+}
+
+TEST(TrainingHtml, IsWellFormedAndSaysTheNumbersOfTheJson) {
+  const ValidatedTraining trained = trainAndValidate(session(), quick(), nullptr, 0.0);
+  TrainingPage page;
+  page.model_file = "<model>.bag";
+  page.held_out = trained.errors;
+  page.judged = trained.verdict;
+  page.coverage = workspaceCoverage(session(), quick(), trained.training.model.delay);
+  page.streams = streamHealth(session());
+  const std::string html = withPlainSpaces(trainingHtml(trained.training, page, {}));
+  EXPECT_EQ(problemsOf(html), "");
+  EXPECT_LT(html.size(), 1000000u);
+  EXPECT_TRUE(contains(html, "&lt;model&gt;.bag"));
+  EXPECT_EQ(count(html, "<em>Good:</em>"), count(html, "<figure>"));
+  const auto json = nlohmann::json::parse(trainingJson(trained.training, page.model_file));
+  EXPECT_TRUE(contains(html, format("%.1f ms", 1e3 * json["delay_s"].get<double>())));
+  EXPECT_TRUE(
+      contains(html, format("%.2f mm, %.2f deg", json["rigid"]["rms_position_mm"].get<double>(),
+                            json["rigid"]["rms_angle_deg"].get<double>())));
+  for (const auto& [reason, number] : json["cleaning"]["rejected"].items())
+    EXPECT_TRUE(
+        contains(html, reason + "</td><td class=\"number\">" + std::to_string(number.get<int>())));
+  EXPECT_TRUE(contains(html, format("%.2f", 1e3 * trained.full.position_norm)));
+}
+
+TEST(WorkspaceCoverage, CountsWhatWasLearntFromAndSaysWhereToRecordMore) {
+  const TrainingConfig config = quick();
+  const WorkspaceCoverage all = workspaceCoverage(session(), config, 0.05);
+  std::size_t commands = 0, kept = 0;
+  for (const CoverageCell& cell : all.cells) {
+    commands += cell.commands;
+    kept += cell.kept;
+  }
+  EXPECT_EQ(commands, all.kept.size() + all.rejected.size());
+  EXPECT_EQ(kept, all.kept.size());
+  EXPECT_EQ(all.speed.size(), all.kept.size());
+  EXPECT_GE(all.cells.front().commands, all.cells.back().commands);
+  EXPECT_LT(all.covered, all.cells.size());
+  ASSERT_FALSE(all.record_more.empty());
+  // Nothing of one half of the workspace is seen: that is where to record.
+  Dataset blind = session();
+  const double middle = all.cells.front().centre.z();
+  for (Trajectory& trajectory : blind.trajectories)
+    for (StampedPose& sample : trajectory.observations)
+      if (sample.pose.p.z() < middle) sample.pose.p.z() += 0.5;  // far outside: rejected
+  const WorkspaceCoverage half = workspaceCoverage(blind, config, 0.05);
+  EXPECT_LT(half.covered, all.covered);
+  EXPECT_LT(half.record_more.front().centre.z(), middle + 0.03);
+}
+
+TEST(FidelityHtml, IsWellFormedAndSaysWhatIsNotMet) {
+  FidelityResult result;
+  result.trajectories = 7;
+  result.rows = {{"a <figure>", 1.25, std::nan(""), "mm"}};
+  result.ladder = {{"none", {0.02, 0.018, 0.022}, {0.021, 0.02, 0.023}, {0.3, 0.2, 0.4}, {}}};
+  result.criteria = {{"residual", -0.126, 0.15, "-"}, {"delay & co", 0.05, 0.01, "s"}};
+  const std::string html = fidelityHtml(result, {}, {});
+  EXPECT_EQ(problemsOf(html), "");
+  EXPECT_TRUE(contains(html, "1 of 2 requirements are met on 7 trajectories"));
+  EXPECT_TRUE(contains(html, "NOT MET"));
+  EXPECT_TRUE(contains(html, ">20.00</text>"));
+}
+
+}  // namespace
+}  // namespace raven_correction
