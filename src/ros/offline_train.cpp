@@ -15,15 +15,18 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string output, config, hold_out, json;
+  std::string output, config, hold_out, json, simulation;
   bool force = false;
 };
 
 void train(const Arguments& arguments) {
   checkOutputFile(arguments.output, arguments.force);
   checkOutputFile(arguments.json, true);
-  const TrainingConfig config = loadTrainingConfig(
+  TrainingConfig config = loadTrainingConfig(
       arguments.config.empty() ? packageFile("config/trainer.yaml") : arguments.config);
+  if (!arguments.simulation.empty())
+    config.simulation =
+        std::make_shared<const SimulationConfig>(loadSimulationConfig(arguments.simulation));
   Dataset dataset = readInputs(arguments.inputs);
   if (!arguments.hold_out.empty())
     dataset = selectFold(dataset, parseHoldOut(arguments.hold_out), false);
@@ -47,6 +50,11 @@ void addTrainCommand(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "model file to write")->required();
   command->add_option("--config", arguments->config,
                       "trainer configuration; default: config/trainer.yaml of the package");
+  command->add_option(
+      "--simulation", arguments->simulation,
+      "physics as the mean: simulation file (diagnose -o writes one) whose way back "
+      "from pose to command comes before the process; default: that of the "
+      "configuration, or none");
   command->add_option("--hold-out", arguments->hold_out,
                       "K/N: leave out trajectory i where i % N == K (zero-based, by start time)");
   command->add_option("--json", arguments->json, "write the numbers as JSON");
