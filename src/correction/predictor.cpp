@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "raven_correction/correction/physics.h"
 #include "raven_correction/error.h"
 
 namespace raven_correction {
@@ -74,6 +75,7 @@ Predictor::Predictor(Correction model) : model_(std::move(model)) {
   checkModel(model_);
   model_.rigid.q.normalize();
   model_.mean_orientation.normalize();
+  physics_ = inverseArmOf(model_.physics);
   if (model_.process.groups.empty()) return;
   process_ = std::make_unique<const GpPredictor>(model_.process);  // checks the groups
   for (const GpGroup& group : model_.process.groups)
@@ -91,7 +93,14 @@ Prediction Predictor::predict(const Motion& motion, Workspace& workspace) const 
   Prediction prediction;
   prediction.command = motion.pose;
   prediction.rigid = model_.rigid * motion.pose;
-  Pose full = prediction.rigid;
+  prediction.mean = prediction.rigid;
+  bool out_of_reach = false;
+  if (physics_) {
+    const InverseArm::Answer answer = physics_->solve(pathOf(motion, model_.motion));
+    out_of_reach = !answer.reached;
+    if (answer.reached) prediction.mean = answer.command;
+  }
+  Pose full = prediction.mean;
   if (process_) {
     Eigen::Matrix<double, 6, 1> y, variance;
     computeFeatures(motion, model_.rigid, model_.mean_orientation, twistCount(model_.motion),
@@ -107,7 +116,8 @@ Prediction Predictor::predict(const Motion& motion, Workspace& workspace) const 
       if (process_->priorDeviation()(k) > 0.0)
         ratio = std::max(ratio, std::sqrt(latent(k)) / process_->priorDeviation()(k));
     prediction.h_share = 1.0 - smoothStep(ratio, model_.trust.fade_start, model_.trust.fade_end);
-    full = applyCorrection(prediction.rigid, y * prediction.h_share);
+    if (out_of_reach) prediction.h_share = 0.0;
+    full = applyCorrection(prediction.mean, y * prediction.h_share);
   }
   const double margin = model_.trust.workspace_margin;
   prediction.g_share =
@@ -119,6 +129,7 @@ Prediction Predictor::predict(const Motion& motion, Workspace& workspace) const 
     return prediction;
   }
   prediction.status = prediction.g_share < 1.0               ? Prediction::Status::kOutside
+                      : out_of_reach                         ? Prediction::Status::kFaded
                       : prediction.h_share < 1.0 && process_ ? Prediction::Status::kFaded
                                                              : Prediction::Status::kFull;
   return prediction;

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/correction/training.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <ctime>
+#include <iterator>
+#include <map>
+#include <random>
 #include <set>
 
+#include "raven_correction/correction/physics.h"
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/rigid_fit.h"
 
@@ -52,6 +57,68 @@ double resolveDelay(const Dataset& dataset, const TrainingConfig& config, DelayR
   if (!(problem.max_gap > 0.0)) return 0.0;  // synchronise() will say what is missing
   estimate = estimateDelay(dataset, problem);
   return estimate.delay;
+}
+
+/// The pairs that survived cleaning, or as many of them as were asked for, in order.
+std::vector<std::size_t> learntFrom(const TrainingPairs& pairs, const std::vector<Fate>& fates,
+                                    const TrainingConfig& config) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < fates.size(); ++i)
+    if (fates[i] == Fate::kKept) kept.push_back(i);
+  if (config.max_pairs == 0 || kept.size() <= config.max_pairs) return kept;
+  std::mt19937_64 random(config.process.seed);
+  std::vector<std::size_t> drawn;
+  if (config.draw == TrainingConfig::Draw::kPairs) {
+    std::sample(kept.begin(), kept.end(), std::back_inserter(drawn), config.max_pairs, random);
+    return drawn;
+  }
+  std::map<std::size_t, std::vector<std::size_t>> of_trajectory;
+  for (const std::size_t i : kept) of_trajectory[pairs.samples[i].trajectory].push_back(i);
+  std::vector<std::size_t> order;
+  for (const auto& entry : of_trajectory) order.push_back(entry.first);
+  std::shuffle(order.begin(), order.end(), random);
+  for (const std::size_t trajectory : order)
+    for (const std::size_t i : of_trajectory[trajectory])
+      if (drawn.size() < config.max_pairs) drawn.push_back(i);
+  std::sort(drawn.begin(), drawn.end());
+  return drawn;
+}
+
+/// What the process is learnt about, of every kept pair: x_G, or what physics says; and, of
+/// physics, how good it is. Nothing where it does not reach: such a pair is not learnt from.
+std::vector<std::optional<Pose>> meansOf(const TrainingPairs& pairs,
+                                         const std::vector<std::size_t>& kept,
+                                         const TrainingConfig& config, const Correction& model,
+                                         TrainingResult& result) {
+  std::vector<std::optional<Pose>> means(kept.size());
+  const std::optional<InverseArm> physics = inverseArmOf(model.physics);
+  double position = 0.0, angle = 0.0;
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const std::size_t i = kept[k];
+    if (!physics) {
+      means[k] = model.rigid * pairs.samples[i].observation;
+      continue;
+    }
+    const InverseArm::Answer answer = physics->solve(pathOf(pairs.motions[i], config.motion));
+    if (!answer.reached) {
+      ++result.out_of_reach;
+      continue;
+    }
+    means[k] = answer.command;
+    const auto left = correctionBetween(answer.command, pairs.samples[i].command);
+    position += left.head<3>().squaredNorm();
+    angle += left.tail<3>().squaredNorm();
+  }
+  if (!physics) return means;
+  if (2 * result.out_of_reach > kept.size())
+    throw InvalidInput(format(
+        "simulation %s: its robot does not reach %zu of %zu observed poses; is it the simulation "
+        "of another robot or arm, are positions in millimetres?",
+        result.simulation.c_str(), result.out_of_reach, kept.size()));
+  const auto reached = static_cast<double>(kept.size() - result.out_of_reach);
+  result.physics_rms_position = std::sqrt(position / reached);
+  result.physics_rms_angle = std::sqrt(angle / reached);
+  return means;
 }
 
 }  // namespace
@@ -108,6 +175,8 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
   Correction& model = result.model;
   report("synchronising", 0.0);
   model.delay = resolveDelay(dataset, config, result.delay);
+  if (config.simulation) result.simulation = config.simulation->name;
+  if (config.simulation) model.physics = physicsOf(*config.simulation, dataset, model.delay);
   const TrainingPairs pairs = makePairs(dataset, config, model.delay);
   result.fates = pairs.fates;
   result.identity_commands = pairs.identity_commands;
@@ -124,12 +193,10 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
 
   RigidFitProblem rigid;
   rigid.rotation_length = config.rotation_length;
-  std::vector<std::size_t> kept;
+  const std::vector<std::size_t> kept = learntFrom(pairs, fates, config);
   std::set<std::size_t> trajectories;
   Hash hash;
-  for (std::size_t i = 0; i < fates.size(); ++i) {
-    if (fates[i] != Fate::kKept) continue;
-    kept.push_back(i);
+  for (const std::size_t i : kept) {
     trajectories.insert(pairs.samples[i].trajectory);
     rigid.from.push_back(pairs.samples[i].observation);
     rigid.to.push_back(pairs.samples[i].command);
@@ -161,20 +228,24 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
   model.trust.fade_end = config.fade_end;
   model.motion = config.motion;
 
+  const auto means = meansOf(pairs, kept, config, model, result);
   if (config.process_enabled) {
     report("fitting", 0.2);
     const auto features = static_cast<Eigen::Index>(featureCount(config.motion));
-    Eigen::MatrixXd x(static_cast<Eigen::Index>(kept.size()), features);
-    Eigen::MatrixXd y(static_cast<Eigen::Index>(kept.size()), 6);
+    const auto rows = static_cast<Eigen::Index>(kept.size() - result.out_of_reach);
+    Eigen::MatrixXd x(rows, features);
+    Eigen::MatrixXd y(rows, 6);
     Eigen::VectorXd row(features);
     std::vector<int> groups;  // a motion is seen or left out whole
+    Eigen::Index r = 0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
-      const auto r = static_cast<Eigen::Index>(k);
+      if (!means[k]) continue;
       computeFeatures(pairs.motions[kept[k]], model.rigid, model.mean_orientation,
                       twistCount(config.motion), row.data());
       x.row(r) = row.transpose();
       groups.push_back(static_cast<int>(pairs.samples[kept[k]].trajectory));
-      y.row(r) = correctionBetween(model.rigid * rigid.from[k], rigid.to[k]).transpose();
+      y.row(r) = correctionBetween(*means[k], rigid.to[k]).transpose();
+      ++r;
     }
     GpConfig process_config = config.process;
     if (config.tie_vectors)

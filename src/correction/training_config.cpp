@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "raven_correction/error.h"
 #include "raven_correction/robot/yaml_reader.h"
 
 namespace raven_correction {
@@ -85,6 +86,21 @@ void readProcess(YamlReader yaml, TrainingConfig& config) {
   yaml.refuseUnknownKeys();
 }
 
+void readPhysics(YamlReader yaml, const std::string& file, TrainingConfig& config) {
+  std::string simulation;
+  yaml.text("simulation", simulation);
+  yaml.refuseUnknownKeys();
+  if (simulation.empty()) return;
+  const std::string beside = file.substr(0, file.rfind('/') + 1) + simulation;  // npos + 1 = 0
+  try {
+    const bool is_beside = simulation[0] != '/' && std::ifstream(beside).good();
+    config.simulation = std::make_shared<const SimulationConfig>(
+        loadSimulationConfig(is_beside ? beside : simulation));
+  } catch (const InvalidInput& error) {
+    yaml.problem("simulation", error.what());
+  }
+}
+
 }  // namespace
 
 TrainingConfig loadTrainingConfig(const std::string& file) {
@@ -121,6 +137,7 @@ TrainingConfig loadTrainingConfig(const std::string& file) {
       trust.problem("fade_end", "must be above fade_start");
     trust.refuseUnknownKeys();
   }
+  if (yaml.has("physics")) readPhysics(yaml.section("physics"), file, config);
   yaml.refuseUnknownKeys();
   yaml.throwIfAnyProblem();
   std::ifstream stream(file);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "raven_correction/diagnosis/learnable.h"
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/statistics.h"
 
@@ -241,6 +242,16 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
       residualDependence(recording, layout, before, joints, verdict.folds, verdict.seed);
   verdict.left = residualDependence(recording, layout, after, joints, verdict.folds, verdict.seed);
   verdict.figures = residualSamples(recording, layout, joints, before, aligned, after);
+  if (progress) progress("learning from what is left", 0.98);
+  residuals(recording, layout, verdict.simulation, &joints);
+  const Eigen::VectorXd learnt =
+      withoutLearnable(recording, layout, after, joints, verdict.folds, verdict.seed);
+  const Gain learnable = gainOf(layout, after, learnt, verdict.seed);
+  verdict.learnable = learnable.value;
+  verdict.learnable_lower = learnable.lower;
+  verdict.learnable_upper = learnable.upper;
+  verdict.after_learning = errorsOf(layout, learnt, verdict.folds, recording.has_kinematics);
+
   const Eigen::VectorXd floor = noiseFloor(recording, layout, after);
   const Eigen::VectorXd scales = channelScales(layout, after);
   judgeWhatIsLeft(isBeyondNoise(layout, after, floor), verdict);

@@ -81,7 +81,7 @@ std::vector<PoseError> errorsOf(const std::vector<TestState>& states, Prediction
     const Prediction full = predictor->predict(state.motion, *workspace);
     PoseError error = poseError(full.command, state.command);
     error.residual =
-        correctionBetween(full.rigid, state.command) - correctionBetween(full.rigid, full.command);
+        correctionBetween(full.mean, state.command) - correctionBetween(full.mean, full.command);
     error.deviation << full.sd_position, full.sd_rotation;
     errors.push_back(error);
   }

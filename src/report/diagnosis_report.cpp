@@ -136,12 +136,16 @@ std::string diagnosisText(const Verdict& verdict) {
   if (verdict.aligned)
     text += errorsText(verdict, "registration and tool frame alone", verdict.after_alignment);
   text += errorsText(verdict, "all causes, motions held out", verdict.after);
+  text += errorsText(verdict, "and what a process learns from that", verdict.after_learning);
   text += format("  gain %.1f %% (%.1f..%.1f %%)", kPercent * verdict.gain,
                  kPercent * verdict.gain_lower, kPercent * verdict.gain_upper);
   if (verdict.aligned)
     text += format(", from registration and tool frame on %.1f %% (%.1f..%.1f %%)",
                    kPercent * verdict.gain_from_alignment, kPercent * verdict.alignment_lower,
                    kPercent * verdict.alignment_upper);
+  text += format("; a Gaussian process still learns %.1f %% (%.1f..%.1f %%) of what is left",
+                 kPercent * verdict.learnable, kPercent * verdict.learnable_lower,
+                 kPercent * verdict.learnable_upper);
   if (verdict.has_kinematics)
     text += format("; noise floor %.2f mm, %.2f deg RMS", kMillimetre * verdict.noise_floor,
                    kDegree * verdict.angle_floor);
@@ -191,6 +195,10 @@ std::string diagnosisJson(const Verdict& verdict) {
     json["gain_from_alignment_interval_percent"] =
         intervalJson(verdict.alignment_lower, verdict.alignment_upper);
   }
+  json["learnable_percent"] = kPercent * verdict.learnable;
+  json["learnable_interval_percent"] =
+      intervalJson(verdict.learnable_lower, verdict.learnable_upper);
+  json["after_learning"] = errorsJson(verdict, verdict.after_learning);
   if (verdict.has_kinematics) {
     json["noise_floor_mm"] = kMillimetre * verdict.noise_floor;
     json["noise_floor_deg"] = kDegree * verdict.angle_floor;

@@ -16,6 +16,10 @@ std::string trainingText(const TrainingResult& result) {
                  delayStatusText(result.delay.status));
   text += format("rigid step    leaves %.2f mm, %.2f deg (RMS on those pairs)\n",
                  kMillimetre * result.rigid_rms_position, kDegree * result.rigid_rms_angle);
+  if (!result.simulation.empty())
+    text += format("physics       %s leaves %.2f mm, %.2f deg (RMS); %zu pairs out of its reach\n",
+                   result.simulation.c_str(), kMillimetre * result.physics_rms_position,
+                   kDegree * result.physics_rms_angle, result.out_of_reach);
   static const char* const kOutputs[] = {"dx", "dy", "dz", "rx", "ry", "rz"};
   for (std::size_t g = 0; g < result.model.process.groups.size(); ++g) {
     const GpGroup& group = result.model.process.groups[g];
@@ -48,6 +52,11 @@ std::string trainingJson(const TrainingResult& result, const std::string& model_
   json["cleaning"]["least_median_scale_mm"] = kMillimetre * result.least_median_scale;
   json["rigid"] = {{"rms_position_mm", kMillimetre * result.rigid_rms_position},
                    {"rms_angle_deg", kDegree * result.rigid_rms_angle}};
+  if (!result.simulation.empty())
+    json["physics"] = {{"simulation", result.simulation},
+                       {"rms_position_mm", kMillimetre * result.physics_rms_position},
+                       {"rms_angle_deg", kDegree * result.physics_rms_angle},
+                       {"out_of_reach", result.out_of_reach}};
   json["n_train"] = result.model.training_pairs;
   json["trajectories"] = result.model.training_trajectories;
   Json groups = Json::array();

@@ -106,8 +106,9 @@ JointMatrix CableCoupling::motorTravel(const KinematicChain& chain) const {
   return travel;
 }
 
-CableCoupling loadCableCoupling(const std::string& robot_path) {
-  YamlReader file = YamlReader::fromFile(robot_path);
+namespace {
+
+CableCoupling readCoupling(YamlReader file, const std::string& robot_path) {
   if (!file.has("transmission")) return {};
   YamlReader reader = file.section("transmission");
   double counts_per_turn = 0.0;
@@ -137,6 +138,16 @@ CableCoupling loadCableCoupling(const std::string& robot_path) {
   } catch (const InvalidInput& error) {
     throw InvalidInput(format("%s: %s", robot_path.c_str(), error.what()));
   }
+}
+
+}  // namespace
+
+CableCoupling loadCableCoupling(const std::string& robot_path) {
+  return readCoupling(YamlReader::fromFile(robot_path), robot_path);
+}
+
+CableCoupling cableCouplingFromText(const std::string& text, const std::string& name) {
+  return readCoupling(YamlReader::fromText(text, name), name);
 }
 
 }  // namespace raven_correction

@@ -59,10 +59,7 @@ Joint readJoint(YamlReader& reader) {
   return joint;
 }
 
-}  // namespace
-
-KinematicChain loadKinematicChain(const std::string& path) {
-  YamlReader reader = YamlReader::fromFile(path);
+KinematicChain readChain(YamlReader reader, const std::string& path) {
   std::string name;
   std::string frame;
   std::string description;
@@ -86,6 +83,16 @@ KinematicChain loadKinematicChain(const std::string& path) {
   } catch (const InvalidInput& error) {
     throw InvalidInput(format("%s: %s", path.c_str(), error.what()));
   }
+}
+
+}  // namespace
+
+KinematicChain loadKinematicChain(const std::string& path) {
+  return readChain(YamlReader::fromFile(path), path);
+}
+
+KinematicChain kinematicChainFromText(const std::string& text, const std::string& name) {
+  return readChain(YamlReader::fromText(text, name), name);
 }
 
 }  // namespace raven_correction

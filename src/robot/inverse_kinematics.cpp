@@ -147,7 +147,8 @@ bool InverseKinematics::search(const Pose& X_base_tool, const JointVector& seed,
   const JointVector middle = 0.5 * (chain_.lower() + chain_.upper());
   const JointVector quarter = 0.25 * (chain_.upper() - chain_.lower());
   bool found = false;
-  for (int start = -1; start < (1 << std::min(chain_.size(), 5)); ++start) {
+  const int starts = options_.search_elsewhere ? 1 << std::min(chain_.size(), 5) : 0;
+  for (int start = -1; start < starts; ++start) {
     JointVector trial = seed;
     if (start >= 0) {
       trial = middle;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 #include "raven_correction/error.h"
 
@@ -49,19 +51,25 @@ YamlReader::YamlReader(std::shared_ptr<File> file, std::shared_ptr<const Node> n
     : file_(std::move(file)), node_(std::move(node)), place_(std::move(place)) {}
 
 YamlReader YamlReader::fromFile(const std::string& path) {
+  std::ifstream stream(path);
+  std::ostringstream text;
+  if (stream) text << stream.rdbuf();
+  if (!stream) throw InvalidInput(format("%s: no such file, or not readable", path.c_str()));
+  return fromText(text.str(), path);
+}
+
+YamlReader YamlReader::fromText(const std::string& text, const std::string& name) {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(path);
-  } catch (const YAML::BadFile&) {
-    throw InvalidInput(format("%s: no such file, or not readable", path.c_str()));
+    root = YAML::Load(text);
   } catch (const YAML::ParserException& error) {
-    throw InvalidInput(format("%s: line %d is not YAML: %s", path.c_str(), error.mark.line + 1,
+    throw InvalidInput(format("%s: line %d is not YAML: %s", name.c_str(), error.mark.line + 1,
                               error.msg.c_str()));
   }
   if (!root.IsMap())
-    throw InvalidInput(format("%s: must be a YAML mapping (`key: value` lines)", path.c_str()));
+    throw InvalidInput(format("%s: must be a YAML mapping (`key: value` lines)", name.c_str()));
   auto file = std::make_shared<File>();
-  file->path = path;
+  file->path = name;
   return YamlReader(file, std::make_shared<Node>(Node{root}), "");
 }
 

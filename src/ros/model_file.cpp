@@ -119,6 +119,10 @@ CorrectionModel modelToMsg(const Correction& model) {
   msg.held_out_angle_before = model.held_out.angle_before;
   msg.held_out_position_after = model.held_out.position_after;
   msg.held_out_angle_after = model.held_out.angle_after;
+  msg.simulation = model.physics.texts.simulation;
+  msg.simulation_robot = model.physics.texts.robot;
+  msg.simulation_hold = model.physics.timing.hold;
+  msg.simulation_age = model.physics.timing.age;
   return msg;
 }
 
@@ -165,6 +169,9 @@ Correction modelFromMsg(const CorrectionModel& msg) {
   model.held_out.angle_before = msg.held_out_angle_before;
   model.held_out.position_after = msg.held_out_position_after;
   model.held_out.angle_after = msg.held_out_angle_after;
+  model.physics.texts = {msg.simulation, msg.simulation_robot};
+  model.physics.timing = {msg.delay, msg.simulation_hold, msg.simulation_age};
+  if (model.physics.empty()) model.physics = {};
   return model;
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // offline experiment NAME: experiments of the paper and of this package. fidelity: how like a
-// measured session the simulation is.
+// measured session the simulation is; physics: what physics as the mean of the regression is worth.
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "raven_correction/evaluation/fidelity.h"
+#include "raven_correction/evaluation/learning_curve.h"
 #include "raven_correction/report/fidelity_html.h"
 #include "raven_correction/report/fidelity_report.h"
+#include "raven_correction/report/learning_curve_report.h"
 #include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
@@ -47,11 +49,63 @@ void fidelity(const FidelityArguments& arguments) {
   writeTextFile(arguments.report, fidelityHtml(result, streamHealth(dataset), run));
 }
 
+struct PhysicsArguments {
+  std::vector<std::string> inputs, simulations;
+  std::string config, json, draw = "pairs";
+  LearningCurveProblem problem;
+};
+
+void physics(const PhysicsArguments& arguments) {
+  checkOutputFile(arguments.json, true);
+  LearningCurveProblem problem = arguments.problem;
+  problem.config = loadTrainingConfig(arguments.config.empty() ? packageFile("config/trainer.yaml")
+                                                               : arguments.config);
+  problem.draw = arguments.draw == "pairs" ? TrainingConfig::Draw::kPairs
+                                           : TrainingConfig::Draw::kTrajectories;
+  for (const std::string& file : arguments.simulations)
+    problem.simulations.push_back(
+        std::make_shared<const SimulationConfig>(loadSimulationConfig(file)));
+  const LearningCurveResult result =
+      learningCurve(readInputs(arguments.inputs), problem, showProgress);
+  std::fputs(learningCurveText(result).c_str(), stdout);
+  if (!arguments.json.empty()) writeTextFile(arguments.json, learningCurveJson(result));
+}
+
+void addPhysics(CLI::App& experiment) {
+  const auto arguments = std::make_shared<PhysicsArguments>();
+  CLI::App* const command = experiment.add_subcommand(
+      "physics",
+      "Regression alone against regression about a simulation (physics first), by the number of "
+      "training pairs, on trajectories left out; and how many pairs the simulation saves");
+  command->add_option("INPUT", arguments->inputs, "bags or data set directories")->required();
+  command
+      ->add_option("--simulation", arguments->simulations,
+                   "simulation file, or one per fold in order (diagnose --hold-out K/N -o F writes "
+                   "one that has not seen what fold K tests on)")
+      ->required();
+  command->add_option("--pairs", arguments->problem.pairs,
+                      "numbers of training pairs; default 100 300 1000 4000");
+  command
+      ->add_option("--draw", arguments->draw,
+                   "pairs: one by one from all trajectories; trajectories: whole ones, until there "
+                   "are enough; default pairs")
+      ->check(CLI::IsMember({"pairs", "trajectories"}));
+  command->add_option("--folds", arguments->problem.folds, "trajectory i tests in fold i % N")
+      ->check(CLI::Range(2, 100));
+  command->add_option("--only", arguments->problem.only_folds, "of these folds; default: all");
+  command->add_option("--config", arguments->config,
+                      "training configuration; default: config/trainer.yaml of the package");
+  command->add_option("--seed", arguments->problem.seed, "of draws and bootstrap; default 1");
+  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  command->callback([arguments] { physics(*arguments); });
+}
+
 }  // namespace
 
 void addExperimentCommand(CLI::App& app) {
   CLI::App* const experiment = app.add_subcommand("experiment", "Experiments, by name");
   experiment->require_subcommand(1);
+  addPhysics(*experiment);
   const auto arguments = std::make_shared<FidelityArguments>();
   CLI::App* const command = experiment->add_subcommand(
       "fidelity",

@@ -18,7 +18,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string output, config, hold_out, json, report;
+  std::string output, config, hold_out, json, report, simulation;
   bool force = false;
 };
 
@@ -57,8 +57,11 @@ void train(const Arguments& arguments) {
   checkOutputFile(arguments.output, arguments.force);
   checkOutputFile(arguments.json, true);
   checkOutputFile(arguments.report, true);
-  const TrainingConfig config = loadTrainingConfig(
+  TrainingConfig config = loadTrainingConfig(
       arguments.config.empty() ? packageFile("config/trainer.yaml") : arguments.config);
+  if (!arguments.simulation.empty())
+    config.simulation =
+        std::make_shared<const SimulationConfig>(loadSimulationConfig(arguments.simulation));
   const Dataset all = readInputs(arguments.inputs);
   constexpr std::size_t kLeast = 3;
   if (!arguments.report.empty() && all.trajectories.size() < kLeast)
@@ -83,6 +86,8 @@ void train(const Arguments& arguments) {
   RunRecord run = recordRun(arguments.inputs);
   run.settings = {{"configuration", arguments.config.empty() ? "config/trainer.yaml of the package"
                                                              : arguments.config},
+                  {"simulation", arguments.simulation.empty() ? "that of the configuration, or none"
+                                                              : arguments.simulation},
                   {"seed", std::to_string(config.process.seed)}};
   writeTextFile(arguments.report, trainingHtml(result, page, run));
 }
@@ -96,6 +101,11 @@ void addTrainCommand(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "model file to write")->required();
   command->add_option("--config", arguments->config,
                       "trainer configuration; default: config/trainer.yaml of the package");
+  command->add_option(
+      "--simulation", arguments->simulation,
+      "physics as the mean: simulation file (diagnose -o writes one) whose way back "
+      "from pose to command comes before the process; default: that of the "
+      "configuration, or none");
   command->add_option("--hold-out", arguments->hold_out,
                       "K/N: leave out trajectory i where i % N == K (zero-based, by start time)");
   command->add_option("--json", arguments->json, "write the numbers as JSON");

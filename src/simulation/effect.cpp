@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/simulation/effect.h"
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "raven_correction/error.h"
 
 namespace raven_correction {
+namespace {
+
+constexpr int kNewtonSteps = 8;       // a linear effect needs one
+constexpr double kSolved = 1e-10;     // [rad or m]
+constexpr double kDifference = 1e-6;  // of the numerical derivative [rad or m]
+
+}  // namespace
 
 const char* toString(EffectStage stage) noexcept {
   switch (stage) {
@@ -29,6 +37,39 @@ std::string parameterLabel(const EffectParameter& parameter, const KinematicChai
   if (parameter.source < 0) return parameter.symbol + "[" + joint + "]";
   const std::string& source = robot.joints()[static_cast<std::size_t>(parameter.source)].name;
   return parameter.symbol + "[" + joint + "<-" + source + "]";
+}
+
+void Effect::undo(const StepContext& context, JointVector& /*memory*/, JointVector& speed,
+                  JointVector& q) const noexcept {
+  const auto outOf = [&](const JointVector& in) {
+    JointVector memory = in, out = in;
+    apply(context, memory, out);
+    return out;
+  };
+  JointVector in = q;
+  JointVector missing = q - outOf(in);
+  if (missing.isZero(0.0)) return;
+  JointMatrix slope(q.size(), q.size());
+  const auto differentiate = [&] {
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      JointVector above = in, below = in;
+      above(j) += kDifference;
+      below(j) -= kDifference;
+      slope.col(j) = (outOf(above) - outOf(below)) / (2.0 * kDifference);
+    }
+  };
+  for (int k = 0; k < kNewtonSteps && missing.cwiseAbs().maxCoeff() > kSolved; ++k) {
+    differentiate();
+    in += slope.partialPivLu().solve(missing);
+    if (!in.allFinite()) return;
+    missing = q - outOf(in);
+  }
+  if (!(missing.cwiseAbs().maxCoeff() <= kSolved)) return;
+  differentiate();
+  const JointVector slower = slope.partialPivLu().solve(speed);
+  if (!slower.allFinite()) return;
+  q = in;
+  speed = slower;
 }
 
 void Effect::setValue(int index, double value) {

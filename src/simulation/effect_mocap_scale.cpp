@@ -18,6 +18,9 @@ class MocapScale final : public Effect {
   Pose observe(double /*time*/, const Pose& X_base_tool) const noexcept override {
     return {X_base_tool.p + value(0) * X_base_tool.p, X_base_tool.q};
   }
+  Pose undoObserve(double /*time*/, const Pose& X_observed) const noexcept override {
+    return {X_observed.p / (1.0 + value(0)), X_observed.q};
+  }
 };
 
 }  // namespace

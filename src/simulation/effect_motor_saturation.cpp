@@ -112,6 +112,19 @@ class MotorSaturation final : public Effect {
     memory = q;
   }
 
+  /// u* = u + T du/dt. A motor at full current does not tell how far its goal is ahead: it is taken
+  /// to be where the same speed would bring it without a limit. In the order against that of
+  /// apply(), where each motor sees what those before it have become.
+  void undo(const StepContext& context, JointVector& /*memory*/, JointVector& speed,
+            JointVector& q) const noexcept override {
+    for (int j = size_ - 1; j >= 0; --j) {
+      double travel = speed(j);
+      for (int k = 0; k < size_ && context.motor_travel != nullptr; ++k)
+        if (k != j) travel += (*context.motor_travel)(j, k) * speed(k);
+      q(j) += value(j) * travel;
+    }
+  }
+
  private:
   static bool isRevolute(const KinematicChain& robot, int joint) {
     return robot.joints()[static_cast<std::size_t>(joint)].type == JointType::kRevolute;

@@ -25,6 +25,9 @@ class RegistrationShift final : public Effect {
   Pose observe(double time, const Pose& X_base_tool) const noexcept override {
     return time >= value(0) ? poseValue(1) * X_base_tool : X_base_tool;
   }
+  Pose undoObserve(double time, const Pose& X_observed) const noexcept override {
+    return time >= value(0) ? poseValue(1).inverse() * X_observed : X_observed;
+  }
 };
 
 }  // namespace

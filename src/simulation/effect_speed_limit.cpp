@@ -27,6 +27,10 @@ class SpeedLimit final : public Effect {
     }
     memory = q;
   }
+  /// A joint at its limit does not tell how far its set-point is ahead: taken to be where the joint
+  /// is.
+  void undo(const StepContext& /*context*/, JointVector& /*memory*/, JointVector& /*speed*/,
+            JointVector& /*q*/) const noexcept override {}
 };
 
 }  // namespace

@@ -25,6 +25,10 @@ class TrackingLag final : public Effect {
       if (value(j) > 0.0) q(j) += (memory(j) - q(j)) * std::exp(-context.step / value(j));
     memory = q;
   }
+  void undo(const StepContext& /*context*/, JointVector& /*memory*/, JointVector& speed,
+            JointVector& q) const noexcept override {
+    for (int j = 0; j < static_cast<int>(q.size()); ++j) q(j) += value(j) * speed(j);
+  }
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <set>
+#include <sstream>
 
 #include "raven_correction/error.h"
 #include "raven_correction/robot/chain_file.h"
@@ -204,30 +205,10 @@ std::string parameterText(const Effect& effect, const KinematicChain& robot,
   return text;
 }
 
-}  // namespace
-
-SimulationConfig loadSimulationConfig(const std::string& path) {
-  YamlReader reader = YamlReader::fromFile(path);
-  SimulationConfig config;
+/// Everything but the robot. @param has_robot  config.robot is there: effects can be read
+SimulationConfig readSimulation(YamlReader& reader, SimulationConfig config, bool has_robot) {
   reader.requiredText("name", config.name);
   reader.text("description", config.description);
-  reader.requiredText("robot", config.robot_file);
-  bool has_robot = false;
-  if (!config.robot_file.empty()) {
-    const std::string robot_path = findRobotFile(config.robot_file, path);
-    if (robot_path.empty()) {
-      reader.problem("robot", "no file " + config.robot_file + " here, nor in ../robots/");
-    } else {
-      try {
-        config.robot = loadKinematicChain(robot_path);
-        config.coupling = loadCableCoupling(robot_path);
-        config.robot_file = robot_path;
-        has_robot = true;
-      } catch (const InvalidInput& error) {
-        reader.problem("robot", error.what());
-      }
-    }
-  }
   reader.number("step", config.step, 1e-5, 0.1);
   reader.number("encoder_rate", config.encoder_rate, 1.0, 2000.0);
   reader.flag("quantise_encoders", config.quantise_encoders);
@@ -251,10 +232,7 @@ SimulationConfig loadSimulationConfig(const std::string& path) {
   return config;
 }
 
-void saveSimulationConfig(const SimulationConfig& config, const std::string& path) {
-  std::string robot_file = config.robot_file;
-  char resolved[4096];
-  if (::realpath(robot_file.c_str(), resolved) != nullptr) robot_file = resolved;
+std::string simulationText(const SimulationConfig& config, const std::string& robot_file) {
   std::string text = "# SPDX-License-Identifier: BSD-3-Clause\n";
   text +=
       "# Written by raven_correction. Keys, units and ranges: config/simulation/nominal.yaml.\n";
@@ -291,6 +269,59 @@ void saveSimulationConfig(const SimulationConfig& config, const std::string& pat
           "\n  orientation_deviation: " + vectorText(d.orientation_deviation) + "\n";
   for (const DebridementField& field : debridementFields())
     text += std::string("  ") + field.key + ": " + number(d.*field.value) + "\n";
+  return text;
+}
+
+}  // namespace
+
+SimulationConfig loadSimulationConfig(const std::string& path) {
+  YamlReader reader = YamlReader::fromFile(path);
+  SimulationConfig config;
+  reader.requiredText("robot", config.robot_file);
+  bool has_robot = false;
+  if (!config.robot_file.empty()) {
+    const std::string robot_path = findRobotFile(config.robot_file, path);
+    if (robot_path.empty()) {
+      reader.problem("robot", "no file " + config.robot_file + " here, nor in ../robots/");
+    } else {
+      try {
+        config.robot = loadKinematicChain(robot_path);
+        config.coupling = loadCableCoupling(robot_path);
+        config.robot_file = robot_path;
+        has_robot = true;
+      } catch (const InvalidInput& error) {
+        reader.problem("robot", error.what());
+      }
+    }
+  }
+  return readSimulation(reader, std::move(config), has_robot);
+}
+
+SimulationConfig simulationFromTexts(const SimulationTexts& texts, const std::string& name) {
+  YamlReader reader = YamlReader::fromText(texts.simulation, name);
+  SimulationConfig config;
+  reader.requiredText("robot", config.robot_file);
+  config.robot = kinematicChainFromText(texts.robot, name + ", robot");
+  config.coupling = cableCouplingFromText(texts.robot, name + ", robot");
+  return readSimulation(reader, std::move(config), true);
+}
+
+SimulationTexts simulationTexts(const SimulationConfig& config) {
+  std::ifstream file(config.robot_file);
+  std::ostringstream robot;
+  if (file) robot << file.rdbuf();
+  if (!file)
+    throw InvalidInput(format("simulation %s: its robot file %s cannot be read",
+                              config.name.c_str(), config.robot_file.c_str()));
+  const std::string name = config.robot_file.substr(config.robot_file.rfind('/') + 1);
+  return {simulationText(config, name), robot.str()};
+}
+
+void saveSimulationConfig(const SimulationConfig& config, const std::string& path) {
+  std::string robot_file = config.robot_file;
+  char resolved[4096];
+  if (::realpath(robot_file.c_str(), resolved) != nullptr) robot_file = resolved;
+  const std::string text = simulationText(config, robot_file);
   const std::string partial = path + ".part";
   std::ofstream file(partial);
   file << text;

@@ -257,6 +257,27 @@ TEST_F(CorrectorTest, TheLivePathDoesNotAllocate) {
   EXPECT_EQ(allocations, 0);
 }
 
+TEST_F(CorrectorTest, NorDoesItWithPhysicsAsTheMean) {
+  Correction physical = model_;
+  physical.physics.texts =
+      simulationTexts(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+  physical.physics.timing = {physical.delay, 0.01, 100.0};
+  Corrector corrector(looseLimits());
+  corrector.setModel(physical);
+  corrector.setMode(CorrectorMode::kFull);
+  const auto desired = [](int i) {
+    return Pose{{-0.02 + 1e-4 * i, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
+  };
+  corrector.correct(stampOf(0), stampOf(0), desired(0), false);
+  int allocations = 0;
+  {
+    const AllocationGuard guard;
+    for (int i = 1; i < 100; ++i) corrector.correct(stampOf(i), stampOf(i), desired(i), false);
+    allocations = guard.count();
+  }
+  EXPECT_EQ(allocations, 0);
+}
+
 TEST_F(CorrectorTest, ModelsMaySwapWhilePosesFlow) {
   Corrector corrector(looseLimits());
   corrector.setMode(CorrectorMode::kFull);

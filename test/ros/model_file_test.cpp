@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "raven_correction/correction/physics.h"
 #include "raven_correction/correction/predictor.h"
 #include "raven_correction/error.h"
 #include "support/simple_model.h"
@@ -57,6 +58,31 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
       EXPECT_EQ(a.sd_position, b.sd_position);
     }
   }
+}
+
+// A model with physics needs nothing but its file.
+TEST(ModelFile, CarriesItsSimulation) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.path() + "/model.bag";
+  Correction written = simpleModel();
+  written.physics.texts =
+      simulationTexts(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+  written.physics.timing = {written.delay, 0.0093, 612.5};
+  writeModelFile(written, file, false);
+  const Correction read = readModelFile(file);
+  EXPECT_EQ(read.physics.texts.simulation, written.physics.texts.simulation);
+  EXPECT_EQ(read.physics.texts.robot, written.physics.texts.robot);
+  EXPECT_EQ(read.physics.timing.delay, written.delay);
+  EXPECT_EQ(read.physics.timing.hold, 0.0093);
+  EXPECT_EQ(read.physics.timing.age, 612.5);
+  const ToolPath path{{{{0.0, {{-0.02, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}}}}}, 1};
+  const InverseArm::Answer a = inverseArmOf(written.physics)->solve(path),
+                           b = inverseArmOf(read.physics)->solve(path);
+  ASSERT_TRUE(a.reached);
+  EXPECT_EQ(a.command.p, b.command.p);
+  written.physics = {};
+  writeModelFile(written, file, true);
+  EXPECT_TRUE(readModelFile(file).physics.empty());
 }
 
 TEST(ModelFile, NeverReplacesUnasked) {

@@ -159,6 +159,61 @@ TEST_F(OfflineTest, TrainAndPredictMeetInTheModelFileAndAgreeWithEvaluate) {
   expectAgreement(session_, config_, 2);
 }
 
+// With physics as the mean, too, and the model needs nothing but its file: the simulation is gone.
+TEST_F(OfflineTest, TheyAgreeWithPhysicsAsTheMean) {
+  const fs::path simulations = fs::path(folder_.path()) / "simulations";
+  fs::create_directory(simulations);
+  fs::copy_file("config/simulation/raven2_left_case2014.yaml", simulations / "like.yaml");
+  fs::copy_file("config/robots/raven2_left.yaml", simulations / "raven2_left.yaml");
+  std::ofstream(config_, std::ios::app) << "physics: {simulation: simulations/like.yaml}\n";
+  expectAgreement(session_, config_, 2);
+  EXPECT_FALSE(readModelFile(model_).physics.empty());
+  fs::remove_all(simulations);
+  const std::string out = folder_.path() + "/again.csv";
+  EXPECT_EQ(
+      offline({"predict", "--model", model_, "--states", session_ + "/observations.csv", "-o", out})
+          .code,
+      0);
+}
+
+TEST_F(OfflineTest, TrainTakesASimulationAsTheMeanAndRefusesThatOfAnotherRobot) {
+  const std::string json = folder_.path() + "/train.json";
+  ASSERT_EQ(offline({"train", session_, "-o", model_, "--config", config_, "--json", json,
+                     "--simulation", "config/simulation/raven2_left_case2014.yaml"})
+                .code,
+            0);
+  std::ifstream file(json);
+  const auto numbers = nlohmann::json::parse(file);
+  EXPECT_EQ(numbers["physics"]["simulation"], "raven2_left_case2014");
+  EXPECT_LT(numbers["physics"]["rms_position_mm"], numbers["rigid"]["rms_position_mm"]);
+  const std::string other = folder_.path() + "/other.bag";
+  expectRefused(offline({"train", session_, "-o", other, "--config", config_, "--simulation",
+                         "config/simulation/raven2_right.yaml"}),
+                "raven2_right");
+  expectRefused(offline({"train", session_, "-o", other, "--config", config_, "--simulation",
+                         folder_.path() + "/nowhere.yaml"}),
+                "no such file");
+  EXPECT_FALSE(fs::exists(other));
+}
+
+TEST_F(OfflineTest, ExperimentPhysicsWritesItsCurves) {
+  const std::string json = folder_.path() + "/curves.json";
+  const std::string like = "config/simulation/raven2_left_case2014.yaml";
+  ASSERT_EQ(
+      offline({"experiment", "physics", session_, "--simulation", like, "--config", config_,
+               "--pairs", "30", "90", "--folds", "3", "--draw", "trajectories", "--json", json})
+          .code,
+      0);
+  std::ifstream file(json);
+  const auto numbers = nlohmann::json::parse(file);
+  EXPECT_EQ(numbers["rows"].size(), 7u);
+  EXPECT_EQ(numbers["saved"].size(), 2u);
+  expectRefused(offline({"experiment", "physics", session_, "--simulation", like, like, "--folds",
+                         "3", "--config", config_}),
+                "one per fold");
+  EXPECT_EQ(offline({"experiment", "physics", session_}).code, 2);
+}
+
 TEST_F(OfflineTest, TheyAgreeOnTheMeasuredSessionWithTheShippedConfiguration) {
   const std::string path = testData("case2014_left/dataset.yaml");
   RAVEN_SKIP_WITHOUT_DATA(path, "case2014_left");

@@ -11,6 +11,8 @@
 #include "raven_correction/correction/motion.h"
 #include "raven_correction/geometry/pose.h"
 #include "raven_correction/regression/gaussian_process.h"
+#include "raven_correction/simulation/inverse_arm.h"
+#include "raven_correction/simulation/simulation_config.h"
 
 namespace raven_correction {
 
@@ -29,7 +31,8 @@ struct TrustRegion {
 
 /// Conventions (design, section 5): a desired pose x = (p, R) goes to x_G = G x = (p_G, R_G); the
 /// process learns y = (dp, r) with command position p_G + dp (base frame) and orientation
-/// R_G exp(r) (frame of the tool after the rigid step).
+/// R_G exp(r) (frame of the tool after the rigid step). With physics, the command that the
+/// simulation says (physics.h) takes the place of x_G there; features stay those after G.
 struct Correction {
   std::string id;                   ///< unique name
   std::string version;              ///< of the package that trained it
@@ -44,7 +47,14 @@ struct Correction {
   Pose rigid;          ///< G, applied from the left
   Eigen::Quaterniond mean_orientation = Eigen::Quaterniond::Identity();  ///< after G
   MotionOptions motion;
-  GpModel process;  ///< H; without groups F is G alone
+  GpModel process;  ///< H; without groups F is G alone (or what the simulation says)
+  /// Physics as the mean: the simulation whose way back comes before H. All of it, so that a model
+  /// needs no file.
+  struct Physics {
+    SimulationTexts texts;  ///< empty: there is none
+    InverseTiming timing;
+    bool empty() const noexcept { return texts.simulation.empty(); }
+  } physics;
   TrustRegion trust;
 
   std::size_t training_pairs = 0;
@@ -67,10 +77,10 @@ void computeFeatures(const Motion& motion, const Pose& rigid,
                      const Eigen::Quaterniond& mean_orientation, std::size_t twists,
                      double* features) noexcept;
 
-/// y = (dp, r) that turns x_G into the command.
+/// y = (dp, r) that turns x_G (or what physics says) into the command.
 Eigen::Matrix<double, 6, 1> correctionBetween(const Pose& after_rigid,
                                               const Pose& command) noexcept;
-/// The command that y = (dp, r) makes of x_G.
+/// The command that y = (dp, r) makes of x_G (or of what physics says).
 Pose applyCorrection(const Pose& after_rigid, const Eigen::Matrix<double, 6, 1>& y) noexcept;
 
 }  // namespace raven_correction

@@ -34,16 +34,21 @@ struct TrainingResult {
   DelayResult delay;  ///< kNotRun where the delay was fixed
   FateCounts fates;   ///< of every observation sample: synchronisation and cleaning
   std::size_t identity_commands = 0;
-  double least_median_scale = 0.0;  ///< robust deviation of the rigid residual [m]
-  double rigid_rms_position = 0.0;  ///< on the kept pairs [m]
-  double rigid_rms_angle = 0.0;     ///< on the kept pairs [rad]
+  double least_median_scale = 0.0;    ///< robust deviation of the rigid residual [m]
+  double rigid_rms_position = 0.0;    ///< on the kept pairs [m]
+  double rigid_rms_angle = 0.0;       ///< on the kept pairs [rad]
+  std::string simulation;             ///< name of the one that is the mean; empty: none, as below
+  std::size_t out_of_reach = 0;       ///< kept pairs that its robot does not reach: not learnt from
+  double physics_rms_position = 0.0;  ///< of what it leaves to the process, on the others [m]
+  double physics_rms_angle = 0.0;     ///< [rad]
   GpFitReport process;
 };
 
 /// @param now  Unix time that goes into the model's id [s]
 /// @throws InvalidInput  nothing to learn from: no pairs, or all of them rejected (the text says
 /// for
-///         which reasons, and the remedy); or a configuration out of range
+///         which reasons, and the remedy); a configuration out of range; or a simulation of another
+///         robot (physicsOf()), or one that reaches less than half of the poses
 TrainingResult train(const Dataset& dataset, const TrainingConfig& config, double now,
                      const Progress& progress = {});
 

@@ -3,6 +3,7 @@
 // best configuration, config/trainer_case2014.yaml the paper's; both explain every key.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "raven_correction/cleaning/cleaning.h"
@@ -10,6 +11,7 @@
 #include "raven_correction/dataset/delay.h"
 #include "raven_correction/dataset/synchronisation.h"
 #include "raven_correction/regression/gaussian_process.h"
+#include "raven_correction/simulation/simulation_config.h"
 
 namespace raven_correction {
 
@@ -38,6 +40,17 @@ struct TrainingConfig {
   double workspace_margin = 0.05;  ///< see TrustRegion [m]
   double fade_start = 0.8;         ///< see TrustRegion [-]
   double fade_end = 0.95;          ///< see TrustRegion [-]
+
+  /// Physics as the mean (physics.h): its way back comes before the process; null: the rigid step.
+  std::shared_ptr<const SimulationConfig> simulation;
+
+  /// Of learning curves: learn from so many of the cleaned pairs only, drawn by process.seed; 0:
+  /// all.
+  std::size_t max_pairs = 0;
+  enum class Draw {
+    kPairs,         ///< one by one, from all trajectories
+    kTrajectories,  ///< whole trajectories, in random order, until there are enough
+  } draw = Draw::kPairs;
 
   std::string text;  ///< the YAML it was read from, for the record; empty when made in code
 };

@@ -57,6 +57,11 @@ struct Verdict {
   DiagnosisErrors after_alignment;
   double gain_from_alignment = 0.0, alignment_lower = 0.0, alignment_upper = 0.0;
 
+  /// What a Gaussian process still learns from what is left (learnable.h): 1 - RMS with it / RMS
+  /// after, as `gain`, on motions held out. Below 0: there is nothing to learn.
+  double learnable = 0.0, learnable_lower = 0.0, learnable_upper = 0.0;
+  DiagnosisErrors after_learning;  ///< what is left then
+
   DependenceResult shown;    ///< what the residual before depends on
   DependenceResult left;     ///< what the residual after depends on
   ResidualSamples figures;   ///< the residual before and after, sample by sample

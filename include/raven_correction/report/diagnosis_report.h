@@ -25,6 +25,8 @@ std::string diagnosisText(const Verdict& verdict);
 ///   "fold_orientation_median_deg"},
 ///  "gain_percent", "gain_interval_percent", "gain_from_alignment_percent",
 ///  "gain_from_alignment_interval_percent", "noise_floor_mm", "noise_floor_deg",
+///  "learnable_percent", "learnable_interval_percent", "after_learning" (what a Gaussian process
+///   still learns from what is left, on motions held out, and the errors then),
 ///  "depends_on_before", "depends_on_after": {group: {"share_percent", "interval_percent"}},
 ///  "data": {...}, "converged", "seconds", "seed"}
 /// Joint data: errors are objects by joint with keys rms_rad or rms_m, median_..., p95_...

@@ -57,5 +57,7 @@ class CableCoupling {
 /// Reads the section `transmission` of a robot file; empty if there is none.
 /// @throws InvalidInput  as loadKinematicChain()
 CableCoupling loadCableCoupling(const std::string& robot_path);
+/// The same from the text of such a file; `name` stands for the file in messages.
+CableCoupling cableCouplingFromText(const std::string& text, const std::string& name);
 
 }  // namespace raven_correction

@@ -30,6 +30,9 @@ struct IkOptions {
   /// between the smallest singular value / sqrt(n) and that value; 0.3 in the middle of a Raven's
   /// workspace, 0 at a singularity.
   double min_conditioning = 0.02;
+  /// Chains without a closed form: where no solution is found from the seed, look from elsewhere,
+  /// too. It takes up to 32 times as long.
+  bool search_elsewhere = true;
 };
 
 struct IkResult {

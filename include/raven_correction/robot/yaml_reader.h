@@ -17,6 +17,8 @@ class YamlReader {
  public:
   /// @throws InvalidInput  the file cannot be read, is not YAML, or is not a mapping
   static YamlReader fromFile(const std::string& path);
+  /// @param name  stands for the file in messages
+  static YamlReader fromText(const std::string& text, const std::string& name);
 
   bool has(const std::string& key) const;
   /// Keys of this mapping, in the order of the file.

@@ -49,7 +49,8 @@ struct StepContext {
 
 /// Base of all effects. An effect is immutable once it is part of a simulation: what it remembers
 /// from step to step (a play, a lag) is handed in as `memory` and belongs to the arm's state.
-/// A derived class overrides the one hook of its stage.
+/// A derived class overrides the one hook of its stage, and, where what it does depends on the past
+/// or is seen in the observation, the way back (undo(), undoObserve()).
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -69,6 +70,14 @@ class Effect {
   /// it is the q that came in.
   virtual void apply(const StepContext& /*context*/, JointVector& /*memory*/,
                      JointVector& /*q*/) const noexcept {}
+  /// kDrive, kCable: the way back, from the q that apply() returns to the one that came in, as far
+  /// as the past tells it: inverse_arm.h. Here for effects without memory: Newton steps on apply();
+  /// q stays as it is where they do not converge. An effect with memory has a way of its own.
+  /// @param context  of the instant; `load` is that of the joints as they are
+  /// @param memory   one's own from instant to instant; at a reset it is the q that comes in
+  /// @param speed    of the joints, changed along with q [rad/s or m/s]
+  virtual void undo(const StepContext& context, JointVector& memory, JointVector& speed,
+                    JointVector& q) const noexcept;
   /// kDrive, kCable: apply() reads StepContext::load.
   virtual bool needsLoad() const noexcept { return false; }
   /// kKinematics: the chain as it really is.
@@ -80,6 +89,10 @@ class Effect {
   /// kObservation: the observed pose in `base` at `time` [s since the start of the session].
   virtual Pose observe(double /*time*/, const Pose& X_base_tool) const noexcept {
     return X_base_tool;
+  }
+  /// kObservation: the way back.
+  virtual Pose undoObserve(double /*time*/, const Pose& X_observed) const noexcept {
+    return X_observed;
   }
 
  protected:

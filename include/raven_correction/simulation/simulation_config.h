@@ -51,6 +51,18 @@ SimulationConfig loadSimulationConfig(const std::string& path);
 /// @throws InvalidInput  the file cannot be written
 void saveSimulationConfig(const SimulationConfig& config, const std::string& path);
 
+/// A simulation as text that needs no other file: what a model of the correction carries.
+struct SimulationTexts {
+  std::string simulation;  ///< YAML, as saveSimulationConfig() writes it
+  std::string robot;       ///< YAML of its robot file, as it is
+};
+/// @throws InvalidInput  the robot file cannot be read
+SimulationTexts simulationTexts(const SimulationConfig& config);
+/// The same simulation, bit for bit.
+/// @param name  stands for the file in messages
+/// @throws InvalidInput  as loadSimulationConfig()
+SimulationConfig simulationFromTexts(const SimulationTexts& texts, const std::string& name);
+
 /// Labels of all effect parameters, "drive_friction.w[shoulder]", in the order of
 /// parameterVector().
 std::vector<std::string> parameterLabels(const SimulationConfig& config);
