@@ -27,6 +27,14 @@ const char* correctorCodeName(CorrectorCode code) noexcept {
       return "passed_model_fault";
     case CorrectorCode::kPassedBetweenEndpoints:
       return "passed_between_endpoints";
+    case CorrectorCode::kPassedNotAbsolute:
+      return "passed_not_absolute";
+    case CorrectorCode::kPassedInactive:
+      return "passed_inactive";
+    case CorrectorCode::kPassedRobotNotReady:
+      return "passed_robot_not_ready";
+    case CorrectorCode::kPassedOtherPublisher:
+      return "passed_other_publisher";
     case CorrectorCode::kRefusedNotFinite:
       return "refused_not_finite";
     case CorrectorCode::kRefusedNotUnit:
@@ -43,6 +51,12 @@ const char* correctorCodeName(CorrectorCode code) noexcept {
       return "refused_time_backwards";
     case CorrectorCode::kRefusedLatched:
       return "refused_latched";
+    case CorrectorCode::kRefusedMalformed:
+      return "refused_malformed";
+    case CorrectorCode::kRefusedWithOtherArm:
+      return "refused_with_other_arm";
+    case CorrectorCode::kRefusedUnreachable:
+      return "refused_unreachable";
   }
   return "unknown";
 }
@@ -79,7 +93,8 @@ void checkLimits(const CorrectorLimits& limits) {
                   {"max_rotation", limits.max_rotation},
                   {"max_translation_rate", limits.max_translation_rate},
                   {"max_rotation_rate", limits.max_rotation_rate},
-                  {"max_step_time", limits.max_step_time}};
+                  {"max_step_time", limits.max_step_time},
+                  {"max_measured_age", limits.max_measured_age}};
   for (const auto& limit : positive)
     if (!(limit.value > 0.0) || !std::isfinite(limit.value))
       throw InvalidInput(
@@ -118,8 +133,35 @@ bool approach(Eigen::Vector3d& current, const Eigen::Vector3d& wanted, double st
 }  // namespace
 
 Corrector::Corrector(const CorrectorLimits& limits)
-    : limits_(limits), has_box_(!limits.box_min.isZero(0.0) || !limits.box_max.isZero(0.0)) {
+    : limits_(limits),
+      has_box_(!limits.box_min.isZero(0.0) || !limits.box_max.isZero(0.0)),
+      reach_(limits.robot),
+      max_translation_(limits.max_translation),
+      max_rotation_(limits.max_rotation) {
   checkLimits(limits);
+}
+
+void Corrector::setTuning(double gain, double max_translation, double max_rotation) {
+  if (!(gain >= 0.0 && gain <= 1.0))
+    throw InvalidInput(format("corrector: gain = %g is outside [0, 1]", gain));
+  CorrectorLimits limits = limits_;
+  limits.max_translation = max_translation;
+  limits.max_rotation = max_rotation;
+  checkLimits(limits);
+  gain_.store(gain, std::memory_order_relaxed);
+  max_translation_.store(max_translation, std::memory_order_relaxed);
+  max_rotation_.store(max_rotation, std::memory_order_relaxed);
+}
+
+void Corrector::setMeasured(double now, const Pose& measured) noexcept {
+  if (!isFinite(measured) || !hasUnitQuaternion(measured)) return;
+  measured_ = measured;
+  measured_at_ = now;
+}
+
+void Corrector::skip(double stamp) noexcept {
+  started_ = true;
+  last_stamp_ = stamp;
 }
 
 void Corrector::setModel(const Correction& model) {
@@ -129,6 +171,8 @@ void Corrector::setModel(const Correction& model) {
 
 void Corrector::restart() noexcept {
   started_ = false;
+  commanded_ = false;
+  measured_at_ = -std::numeric_limits<double>::infinity();
   if (Live* const live = live_.load(std::memory_order_acquire)) live->estimator.reset();
 }
 
@@ -145,6 +189,23 @@ bool Corrector::keepInBox(const Eigen::Vector3d& desired,
   return limited;
 }
 
+/// Shortens the correction in force where it would take the command further from the tool than the
+/// robot takes, or further than the desired pose is: continuous, and zero stays zero.
+std::uint8_t Corrector::keepNearTool(double now, const Pose& desired) noexcept {
+  if (!(limits_.robot.max_step > 0.0) && !(limits_.robot.max_turn > 0.0)) return 0;
+  const bool known = now - measured_at_ <= limits_.max_measured_age && now >= measured_at_;
+  if (!known && !commanded_) return 0;
+  const Pose corrected{desired.p + translation_, desired.q * expRotation(rotation_)};
+  const NearTool near =
+      keepNear(limits_.robot, known ? measured_ : last_command_, desired, corrected);
+  if (near.shortened_position) translation_ = near.command.p - desired.p;
+  if (near.shortened_orientation) rotation_ = logRotation(desired.q.conjugate() * near.command.q);
+  std::uint8_t limits = 0;
+  if (near.shortened_position || near.shortened_orientation) limits |= kLimitRobotStep;
+  if (near.desired_beyond) limits |= kPlannerBeyond;
+  return limits;
+}
+
 /// The pose that the mode wants, before limits, and why.
 CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
                                Pose& wanted) noexcept {
@@ -155,10 +216,19 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
     output.code = CorrectorCode::kPassedOff;
     return output;
   }
+  const CorrectionHold hold = hold_.load(std::memory_order_relaxed);
+  if (hold != CorrectionHold::kNone) {
+    output.code = hold == CorrectionHold::kRobotNotReady ? CorrectorCode::kPassedRobotNotReady
+                                                         : CorrectorCode::kPassedOtherPublisher;
+    return output;
+  }
   if (live == nullptr) {
     output.code = CorrectorCode::kPassedNoModel;
     return output;
   }
+  const TrustRegion& trust = live->predictor.model().trust;
+  output.distance =
+      (desired.p - desired.p.cwiseMax(trust.workspace_min).cwiseMin(trust.workspace_max)).norm();
   if (mode == CorrectorMode::kEndpoint && !endpoint) {
     output.code = CorrectorCode::kPassedBetweenEndpoints;
     return output;
@@ -175,7 +245,9 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
   }
   wanted = prediction.command;
   output.code = CorrectorCode::kCorrected;
-  if (mode == CorrectorMode::kRigid) {
+  const bool rigid_only =
+      mode == CorrectorMode::kRigid || live->predictor.model().process.groups.empty();
+  if (rigid_only) {
     wanted = prediction.g_share == 1.0 ? prediction.rigid
                                        : interpolate(desired, prediction.rigid, prediction.g_share);
     output.h_share = 0.0;
@@ -183,27 +255,32 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
   }
   if (prediction.g_share == 0.0)
     output.code = CorrectorCode::kPassedOutside;
-  else if (prediction.g_share < 1.0 || (prediction.h_share < 1.0 && mode != CorrectorMode::kRigid))
+  else if (prediction.g_share < 1.0 || (prediction.h_share < 1.0 && !rigid_only))
     output.code = CorrectorCode::kCorrectedFaded;
   return output;
+}
+
+std::optional<CorrectorCode> Corrector::fault(double stamp, double now,
+                                              const Pose& desired) const noexcept {
+  if (!std::isfinite(stamp) || !isFinite(desired)) return CorrectorCode::kRefusedNotFinite;
+  if (!hasUnitQuaternion(desired)) return CorrectorCode::kRefusedNotUnit;
+  if (!(stamp > 0.0)) return CorrectorCode::kRefusedZeroStamp;
+  if (limits_.max_age > 0.0 && !(now - stamp <= limits_.max_age))
+    return CorrectorCode::kRefusedStale;
+  if (limits_.max_ahead > 0.0 && !(stamp - now <= limits_.max_ahead))
+    return CorrectorCode::kRefusedFuture;
+  if (started_ && !(stamp > last_stamp_)) return CorrectorCode::kRefusedTimeBackwards;
+  return std::nullopt;
 }
 
 CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired,
                                    bool endpoint) noexcept {
   CorrectorOutput output;
   output.command = desired;
-  const auto refuse = [&](CorrectorCode code) {
-    output.code = code;
+  if (const auto code = fault(stamp, now, desired)) {
+    output.code = *code;
     return output;
-  };
-  if (!std::isfinite(stamp) || !isFinite(desired)) return refuse(CorrectorCode::kRefusedNotFinite);
-  if (!hasUnitQuaternion(desired)) return refuse(CorrectorCode::kRefusedNotUnit);
-  if (!(stamp > 0.0)) return refuse(CorrectorCode::kRefusedZeroStamp);
-  if (limits_.max_age > 0.0 && !(now - stamp <= limits_.max_age))
-    return refuse(CorrectorCode::kRefusedStale);
-  if (limits_.max_ahead > 0.0 && !(stamp - now <= limits_.max_ahead))
-    return refuse(CorrectorCode::kRefusedFuture);
-  if (started_ && !(stamp > last_stamp_)) return refuse(CorrectorCode::kRefusedTimeBackwards);
+  }
 
   Live* const live = live_.load(std::memory_order_acquire);
   // The estimator of a new model starts with its first pose, as at the start of a motion.
@@ -211,23 +288,41 @@ CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired
   Pose wanted;
   output = aim(live, desired, endpoint, wanted);
 
-  Eigen::Vector3d translation = wanted.p - desired.p;
-  Eigen::Vector3d rotation = logRotation(desired.q.conjugate() * wanted.q);
-  bool limited = shorten(translation, limits_.max_translation);
-  limited |= shorten(rotation, limits_.max_rotation);
+  const double gain = gain_.load(std::memory_order_relaxed);
+  Eigen::Vector3d translation = gain * (wanted.p - desired.p);
+  Eigen::Vector3d rotation = gain * logRotation(desired.q.conjugate() * wanted.q);
+  std::uint8_t limits = 0;
+  if (shorten(translation, max_translation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
+  if (shorten(rotation, max_rotation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
+  if (reach_.isChecked() && !(translation.isZero(0.0) && rotation.isZero(0.0))) {
+    const double share = reach_.reachableShare(desired, translation, rotation);
+    translation *= share;
+    rotation *= share;
+    if (share < 1.0) limits |= kLimitReach;
+  }
   // The first pose of all may be corrected by as much as one after a long silence.
   const double elapsed =
       started_ ? std::min(stamp - last_stamp_, limits_.max_step_time) : limits_.max_step_time;
-  limited |= approach(translation_, translation, limits_.max_translation_rate * elapsed);
-  limited |= approach(rotation_, rotation, limits_.max_rotation_rate * elapsed);
-  limited |= keepInBox(desired.p, translation_);
+  if (approach(translation_, translation, limits_.max_translation_rate * elapsed))
+    limits |= kLimitRate;
+  if (approach(rotation_, rotation, limits_.max_rotation_rate * elapsed)) limits |= kLimitRate;
+  limits |= keepNearTool(now, desired);
+  if (keepInBox(desired.p, translation_)) limits |= kLimitBox;
   started_ = true;
   last_stamp_ = stamp;
 
+  const bool corrected = !(translation_.isZero(0.0) && rotation_.isZero(0.0));
+  output.limits = limits;
   output.command = desired;
   if (!translation_.isZero(0.0)) output.command.p += translation_;
   if (!rotation_.isZero(0.0)) output.command.q = (desired.q * expRotation(rotation_)).normalized();
-  if (limited) output.code = CorrectorCode::kCorrectedLimited;
+  if ((limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
+  if (corrected && !reach_.reaches(output.command)) {
+    output.code = CorrectorCode::kRefusedUnreachable;
+    return output;
+  }
+  last_command_ = output.command;
+  commanded_ = true;
   return output;
 }
 

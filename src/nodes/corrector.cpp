@@ -6,8 +6,9 @@
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "corrector");
+  const ros::NodeHandle nh, private_nh("~");  // without one, roscpp says nothing any more
   try {
-    raven_correction::CorrectorNode node(ros::NodeHandle(), ros::NodeHandle("~"));
+    raven_correction::CorrectorNode node(nh, private_nh);
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());

@@ -8,8 +8,9 @@
 int main(int argc, char** argv) {
   raven_correction::keepFreedMemory();
   ros::init(argc, argv, "trainer");
+  const ros::NodeHandle nh, private_nh("~");  // without one, roscpp says nothing any more
   try {
-    raven_correction::TrainerNode node(ros::NodeHandle(), ros::NodeHandle("~"));
+    raven_correction::TrainerNode node(nh, private_nh);
     ros::AsyncSpinner spinner(3);  // one may wait for a training; the others go on answering
     spinner.start();
     ros::waitForShutdown();

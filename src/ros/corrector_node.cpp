@@ -2,100 +2,98 @@
 #include "raven_correction/ros/corrector_node.h"
 
 #include "raven_correction/error.h"
-#include "raven_correction/ros/conversions.h"
-#include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/topics.h"
 
 namespace raven_correction {
 namespace {
 
-Pose poseOf(const geometry_msgs::PoseStamped& msg) { return poseFromMsg(msg.pose); }
-Pose poseOf(const geometry_msgs::TransformStamped& msg) { return poseFromMsg(msg.transform); }
+constexpr double kClockTolerance = 0.01;  ///< a smaller step back is that of a clock being set [s]
+constexpr double kMasterPeriod = 1.0;     ///< between questions to the master [s]
 
-/// The same message with another pose: header and child frame stay as the planner sent them.
-geometry_msgs::PoseStamped withPose(geometry_msgs::PoseStamped msg, const Pose& pose) {
-  msg.pose = poseToMsg(pose);
-  return msg;
-}
-geometry_msgs::TransformStamped withPose(geometry_msgs::TransformStamped msg, const Pose& pose) {
-  msg.transform = transformToMsg(pose);
-  return msg;
+bool isAsked(const ArmRequest& request) noexcept {
+  return request.kind == ArmRequest::Kind::kPose || request.kind == ArmRequest::Kind::kRelative;
 }
 
-constexpr double kClockTolerance = 0.01;  // [s]
+/// Bit for bit, in the parts that are asked for.
+bool isChanged(const ArmRequest& request, const Pose& command) noexcept {
+  return (request.position && command.p != request.pose.p) ||
+         (request.orientation && command.q.coeffs() != request.pose.q.coeffs());
+}
 
 }  // namespace
 
-CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh) {
-  CorrectorParams params;
-  CorrectorLimits& limits = params.limits;
-  ParamReader read(nh, "corrector");
-  read.text("base_frame", params.base_frame);
-  read.oneOf("pose_type", params.pose_type, {"PoseStamped", "TransformStamped"});
-  read.oneOf("mode", params.mode, {"rigid", "full", "endpoint"});
-  read.flag("enabled", params.enabled);
-  read.text("model", params.model);
-  read.positive("max_translation", limits.max_translation, 0.2);
-  read.positive("max_rotation", limits.max_rotation, 3.1416);
-  read.positive("max_translation_rate", limits.max_translation_rate, 10.0);
-  read.positive("max_rotation_rate", limits.max_rotation_rate, 100.0);
-  read.positive("max_step_time", limits.max_step_time, 1.0);
-  read.number("max_age", limits.max_age, 0.0, 60.0);
-  read.number("max_ahead", limits.max_ahead, 0.0, 60.0);
-  std::vector<double> box_min(3, 0.0), box_max(3, 0.0);
-  read.numbers("box_min", box_min, 3, -10.0, 10.0);
-  read.numbers("box_max", box_max, 3, -10.0, 10.0);
-  limits.box_min = {box_min[0], box_min[1], box_min[2]};
-  limits.box_max = {box_max[0], box_max[1], box_max[2]};
-  read.refuseUnknownKeys({"diagnostic_period"});
-  read.throwIfAnyProblem();
-  params.base_frame = withoutSlash(params.base_frame);
-  ROS_INFO("%s", read.summary().c_str());
-  return params;
-}
-
 CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
-    : nh_(nh),
-      private_nh_(private_nh),
-      params_(loadCorrectorParams(private_nh)),
-      corrector_(params_.limits),
-      diagnostics_(nh, private_nh),
-      live_nh_(nh) {
-  live_nh_.setCallbackQueue(&live_queue_);
-  status_publisher_ = nh_.advertise<CorrectionStatus>(topics::kStatus, 100);
-  if (!params_.model.empty()) useModel(readModelFile(params_.model));
-  setMode(params_.enabled ? correctorModeFromName(params_.mode) : CorrectorMode::kOff);
-  diagnostics_.setHardwareID("none");
-  diagnostics_.add("correction", this, &CorrectorNode::diagnose);
+    : nh_(nh), private_nh_(private_nh), params_(loadCorrectorParams(private_nh)) {
+  std::vector<CorrectedArm*> all;
+  for (const CorrectedArmParams& arm : params_.arms) {
+    arm_names_.push_back(arm.name);
+    arms_.push_back(std::make_unique<CorrectedArm>(nh_, private_nh_, params_, arm, live_queue_));
+    all.push_back(arms_.back().get());
+  }
+  robot_ready_ = params_.robot_state_topic.empty();
+  updateHold();
 
   if (params_.pose_type == "PoseStamped")
     subscribeDesired<geometry_msgs::PoseStamped>();
-  else
+  else if (params_.pose_type == "TransformStamped")
     subscribeDesired<geometry_msgs::TransformStamped>();
-  path_subscriber_ = live_nh_.subscribe(topics::kDesiredPath, 1, &CorrectorNode::onPath, this);
-  model_subscriber_ = nh_.subscribe(topics::kModel, 1, &CorrectorNode::onModel, this);
-  mode_service_ = private_nh_.advertiseService("set_mode", &CorrectorNode::onSetMode, this);
-  enable_service_ = private_nh_.advertiseService("enable", &CorrectorNode::onEnable, this);
-  diagnostics_timer_ = nh_.createTimer(ros::Duration(1.0),
-                                       [this](const ros::TimerEvent&) { diagnostics_.update(); });
+  else
+    subscribeDesired<RavenCommand>();
+  if (!params_.robot_state_topic.empty()) {
+    ros::NodeHandle live(nh_);
+    live.setCallbackQueue(&live_queue_);
+    robot_state_subscriber_ = live.subscribe<AnyMessage>(
+        params_.robot_state_topic, 1,
+        boost::function<void(const ros::MessageEvent<AnyMessage const>&)>(
+            [this](const ros::MessageEvent<AnyMessage const>& event) { onRobotState(event); }));
+    registrations_.add(robot_state_subscriber_.getTopic(), "*", false);
+  }
+  offerServices("", all);
+  for (CorrectedArm* const arm : all) {
+    arm->addTo(registrations_);
+    if (arms_.size() > 1) offerServices(arm->ns() + "/", {arm});
+  }
+  for (const ros::ServiceServer& service : services_)
+    registrations_.addService(service.getService());
+  tuning_ = std::make_unique<dynamic_reconfigure::Server<CorrectorConfig>>(private_nh_);
+  tuning_->setCallback(
+      [this](const CorrectorConfig& config, std::uint32_t /*level*/) { onTuning(config); });
+  if (params_.watch_output) {
+    ros::NodeHandle slow(nh_);
+    slow.setCallbackQueue(&master_queue_);
+    master_timer_ = slow.createWallTimer(ros::WallDuration(kMasterPeriod),
+                                         [this](const ros::WallTimerEvent&) { watchMaster(); });
+  }
   live_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &live_queue_);
   live_spinner_->start();
-  ROS_INFO("corrector: %s -> %s, model from %s", desired_subscriber_.getTopic().c_str(),
-           command_publisher_.getTopic().c_str(), model_subscriber_.getTopic().c_str());
+  master_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &master_queue_);
+  master_spinner_->start();
+  ROS_INFO("corrector: %s -> %s (%s)", desired_subscriber_.getTopic().c_str(),
+           command_publisher_.getTopic().c_str(), params_.pose_type.c_str());
 }
 
-CorrectorNode::~CorrectorNode() { live_spinner_->stop(); }
+CorrectorNode::~CorrectorNode() {
+  live_spinner_->stop();
+  master_spinner_->stop();
+}
 
 template <typename Message>
 void CorrectorNode::subscribeDesired() {
   command_publisher_ = nh_.advertise<Message>(topics::kCommand, 1);
-  desired_subscriber_ = live_nh_.subscribe<Message>(
+  ros::NodeHandle live(nh_);
+  live.setCallbackQueue(&live_queue_);
+  desired_subscriber_ = live.subscribe<Message>(
       topics::kDesired, 1,
       boost::function<void(const ros::MessageEvent<Message const>&)>(
           [this](const ros::MessageEvent<Message const>& event) { onDesired<Message>(event); }),
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  const char* const datatype = ros::message_traits::datatype<Message>();
+  registrations_.add(command_publisher_.getTopic(), datatype, true);
+  registrations_.add(desired_subscriber_.getTopic(), datatype, false);
 }
+
+// --- live ----------------------------------------------------------------------------------------
 
 /// The first message of a latched publisher may be from yesterday.
 bool CorrectorNode::isStaleLatched(const ros::M_string& header) {
@@ -105,140 +103,195 @@ bool CorrectorNode::isStaleLatched(const ros::M_string& header) {
   return latched_publishers_.insert(caller == header.end() ? "" : caller->second).second;
 }
 
-bool CorrectorNode::isEndpoint(const Pose& desired) const {
-  if (!has_path_) return false;
-  const auto same = [&](const Pose& end) {
-    return (desired.p - end.p).norm() < 1e-6 && rotationAngle(desired.q, end.q) < 1e-6;
+/// A bag that loops, a simulation that starts again.
+void CorrectorNode::watchClock(const ros::Time& now) {
+  if (now + ros::Duration(kClockTolerance) < last_now_) {
+    ROS_WARN("corrector: the clock went back by %.3f s; starting over", (last_now_ - now).toSec());
+    for (const auto& arm : arms_) arm->restart();
+  }
+  last_now_ = now;
+}
+
+void CorrectorNode::watchRobotState(const ros::SteadyTime& now) {
+  if (params_.robot_state_topic.empty()) return;
+  const bool known =
+      !robot_state_at_.isZero() && (now - robot_state_at_).toSec() <= params_.robot_state_timeout;
+  const bool ready = known && robot_state_.ready();
+  if (robot_ready_.exchange(ready) != ready) updateHold();
+}
+
+/// What becomes of a command. @return it is to be sent
+bool CorrectorNode::decide(bool readable, bool latched, double now, CommandRequest& request,
+                           Outputs& outputs) {
+  const auto refuseAll = [&](CorrectorCode code) {
+    for (CorrectorOutput& output : outputs) output.code = code;
+    return false;
   };
-  return same(path_first_) || same(path_last_);
+  if (!readable) {
+    // Which arms it was for is not known: all of them are told.
+    request = {};
+    for (ArmRequest& arm : request.arms) arm.kind = ArmRequest::Kind::kInactive;
+    return refuseAll(CorrectorCode::kRefusedMalformed);
+  }
+  if (latched) return refuseAll(CorrectorCode::kRefusedLatched);
+  bool asked = false;
+  for (std::size_t i = 0; i < arms_.size(); ++i) asked |= isAsked(request.arms[i]);
+  if (asked && !sameName(request.frame, params_.base_frame) &&
+      !(request.frame.empty() && params_.allow_empty_frame))
+    return refuseAll(CorrectorCode::kRefusedFrame);
+
+  const double stamp = request.stamp.toSec();
+  std::array<std::optional<CorrectorCode>, kMaxCorrectedArms> refused;
+  const auto anyRefused = [&] {
+    bool any = false;
+    for (const auto& code : refused) any |= code.has_value();
+    for (std::size_t i = 0; any && i < arms_.size(); ++i)
+      outputs[i].code = refused[i].value_or(CorrectorCode::kRefusedWithOtherArm);
+    return any;
+  };
+  // All are looked at before any is corrected: a refused command changes nothing.
+  for (std::size_t i = 0; i < arms_.size(); ++i)
+    if (isAsked(request.arms[i])) refused[i] = arms_[i]->fault(request.arms[i], stamp, now);
+  if (anyRefused()) return false;
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    if (request.arms[i].kind == ArmRequest::Kind::kAbsent) continue;
+    outputs[i] = arms_[i]->answer(request.arms[i], stamp, now);
+    if (isRefused(outputs[i].code)) refused[i] = outputs[i].code;
+  }
+  return !anyRefused();
 }
 
 template <typename Message>
 void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
   const ros::SteadyTime arrival = ros::SteadyTime::now();
-  const Message& msg = *event.getConstMessage();
-  const Pose desired = poseOf(msg);
+  const boost::shared_ptr<Message const> message = event.getConstMessage();
   const ros::Time now = ros::Time::now();
-  // A bag that loops, a simulation that starts again; not the small steps of a clock that is set.
-  if (now + ros::Duration(kClockTolerance) < last_now_) {
-    ROS_WARN("corrector: the clock went back by %.3f s; starting over", (last_now_ - now).toSec());
-    corrector_.restart();
+  watchClock(now);
+  watchRobotState(arrival);
+  CommandRequest request;
+  Outputs outputs;
+  const bool readable = readCommand(*message, arm_names_, request);
+  const bool latched = isStaleLatched(event.getConnectionHeader());
+  if (decide(readable, latched, now.toSec(), request, outputs)) {
+    // Header and all else stay as the planner sent them; an unchanged command is the same message.
+    boost::shared_ptr<Message> changed;
+    for (std::size_t i = 0; i < arms_.size(); ++i) {
+      if (!isAsked(request.arms[i]) || !isChanged(request.arms[i], outputs[i].command)) continue;
+      if (changed == nullptr) {
+        changed = std::get<MessagePool<Message>>(pools_).next();
+        *changed = *message;
+      }
+      writeCommand(*changed, request.arms[i], outputs[i].command);
+    }
+    if (changed != nullptr)
+      command_publisher_.publish(changed);
+    else
+      command_publisher_.publish(message);
   }
-  last_now_ = now;
-
-  CorrectorOutput output;
-  output.command = desired;
-  if (isStaleLatched(event.getConnectionHeader()))
-    output.code = CorrectorCode::kRefusedLatched;
-  else if (withoutSlash(msg.header.frame_id) != params_.base_frame)
-    output.code = CorrectorCode::kRefusedFrame;
-  else
-    output =
-        corrector_.correct(msg.header.stamp.toSec(), now.toSec(), desired, isEndpoint(desired));
-  const bool refused = isRefused(output.code);
-  if (!refused) command_publisher_.publish(withPose(msg, output.command));
-
   const double compute_time = (ros::SteadyTime::now() - arrival).toSec();
-  ++counts_[static_cast<std::size_t>(output.code)];
-  if (compute_time > worst_compute_time_) worst_compute_time_ = compute_time;
-  CorrectionStatus status;
-  status.header.stamp = msg.header.stamp;
-  status.header.frame_id = params_.base_frame;
-  status.code = static_cast<std::uint8_t>(output.code);
-  status.mode = correctorModeName(corrector_.mode());
-  if (output.model != nullptr) status.model = *output.model;
-  status.desired = poseToMsg(desired);
-  if (!refused) status.command = poseToMsg(output.command);
-  status.sd_position = vectorToMsg(output.sd_position);
-  status.sd_rotation = vectorToMsg(output.sd_rotation);
-  status.h_share = output.h_share;
-  status.compute_time = compute_time;
-  status_publisher_.publish(status);
+  for (std::size_t i = 0; i < arms_.size(); ++i)
+    if (request.arms[i].kind != ArmRequest::Kind::kAbsent)
+      arms_[i]->report(request.stamp, request.arms[i], outputs[i], compute_time);
 }
 
-void CorrectorNode::onPath(const geometry_msgs::PoseArray& path) {
-  has_path_ = !path.poses.empty() && withoutSlash(path.header.frame_id) == params_.base_frame;
-  if (!has_path_) return;
-  path_first_ = poseFromMsg(path.poses.front());
-  path_last_ = poseFromMsg(path.poses.back());
-}
-
-void CorrectorNode::useModel(const Correction& model) {
-  if (withoutSlash(model.frame) != params_.base_frame)
-    throw InvalidInput(format("model %s is for the frame \"%s\", this corrector works in \"%s\"",
-                              model.id.c_str(), model.frame.c_str(), params_.base_frame.c_str()));
-  corrector_.setModel(model);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  model_id_ = model.id;
-}
-
-void CorrectorNode::onModel(const CorrectionModel& msg) {
-  try {
-    useModel(modelFromMsg(msg));
-    ROS_INFO("corrector: model %s is in use", msg.id.c_str());
-  } catch (const std::exception& error) {
-    ROS_ERROR("corrector: model refused, the one before stays in use: %s", error.what());
+void CorrectorNode::onRobotState(const ros::MessageEvent<AnyMessage const>& event) {
+  const auto md5sum = event.getConnectionHeader().find("md5sum");
+  const auto state =
+      readRobotState(md5sum == event.getConnectionHeader().end() ? std::string() : md5sum->second,
+                     event.getConstMessage()->bytes);
+  if (!state) {
+    if (!robot_state_warned_)
+      ROS_ERROR(
+          "corrector: %s has a type that says nothing of a robot's state, expected "
+          "crtk_msgs/operating_state, raven_2_msgs/RavenState or raven_2/raven_state; "
+          "nothing is corrected",
+          robot_state_subscriber_.getTopic().c_str());
+    robot_state_warned_ = true;
+    return;
   }
+  const bool homed_before = robot_state_.homed || robot_state_at_.isZero();
+  robot_state_ = *state;
+  robot_state_at_ = ros::SteadyTime::now();
+  if (state->homed && !homed_before)
+    for (const auto& arm : arms_) arm->noteHoming(ros::WallTime::now().toSec());
+  watchRobotState(robot_state_at_);
 }
 
-void CorrectorNode::setMode(CorrectorMode mode) {
-  corrector_.setMode(mode);
-  ROS_INFO("corrector: mode %s", correctorModeName(mode));
+// --- others --------------------------------------------------------------------------------------
+
+void CorrectorNode::updateHold() {
+  const std::lock_guard<std::mutex> lock(hold_mutex_);
+  const CorrectionHold hold = !alone_         ? CorrectionHold::kOtherPublisher
+                              : !robot_ready_ ? CorrectionHold::kRobotNotReady
+                                              : CorrectionHold::kNone;
+  for (const auto& arm : arms_) arm->setHold(hold);
 }
 
-bool CorrectorNode::onSetMode(SetMode::Request& request, SetMode::Response& response) {
-  response.previous = correctorModeName(corrector_.mode());
-  try {
-    setMode(correctorModeFromName(request.mode));
-    response.success = true;
-    response.message = "mode " + request.mode;
-  } catch (const InvalidInput& error) {
-    response.message = error.what();
+void CorrectorNode::watchMaster() {
+  const MasterView view = askMaster(command_publisher_.getTopic());
+  if (!view.answered) {
+    if (!master_lost_) ROS_WARN("corrector: the master does not answer; correction goes on");
+    master_lost_ = true;
+    return;
   }
-  return true;
-}
-
-bool CorrectorNode::onEnable(std_srvs::SetBool::Request& request,
-                             std_srvs::SetBool::Response& response) {
-  setMode(request.data ? correctorModeFromName(params_.mode) : CorrectorMode::kOff);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  response.success = true;
-  response.message = std::string("mode ") + correctorModeName(corrector_.mode());
-  if (request.data && model_id_.empty())
-    response.message += "; no model yet: poses pass unchanged until the trainer publishes one";
-  return true;
-}
-
-void CorrectorNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  using Level = diagnostic_msgs::DiagnosticStatus;
-  std::uint64_t all = 0, refused = 0, passed = 0, limited = 0, fault = 0;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  for (std::size_t i = 0; i < counts_.size(); ++i) {
-    const std::uint64_t total = counts_[i];
-    const std::uint64_t recent = total - reported_[i];
-    reported_[i] = total;
-    all += recent;
-    const auto code = static_cast<CorrectorCode>(i);
-    if (isRefused(code)) refused += recent;
-    if (code == CorrectorCode::kCorrectedLimited) limited += recent;
-    if (code == CorrectorCode::kPassedModelFault) fault += recent;
-    if (code >= CorrectorCode::kPassedOff && code <= CorrectorCode::kPassedBetweenEndpoints)
-      passed += recent;
-    if (total > 0) status.add(correctorCodeName(code), std::to_string(total));
-  }
-  status.add("model", model_id_.empty() ? "none" : model_id_);
-  status.add("mode", correctorModeName(corrector_.mode()));
-  status.add("longest compute time [us]", format("%.0f", 1e6 * worst_compute_time_.exchange(0.0)));
-  if (fault > 0)
-    status.summaryf(Level::ERROR, "the model answered %lu poses with numbers that are not finite",
-                    fault);
-  else if (all == 0)
-    status.summary(Level::OK, "the planner is silent");
-  else if (refused > 0)
-    status.summaryf(Level::WARN, "%lu of %lu poses refused", refused, all);
+  if (!view.registered && registrations_.repeat())
+    ROS_WARN("corrector: the master was started anew and has been told of this node again");
+  else if (master_lost_)
+    ROS_INFO("corrector: the master answers again");
+  master_lost_ = false;
+  const bool alone = view.other_publishers.empty();
+  if (alone_.exchange(alone) == alone) return;
+  updateHold();
+  if (alone)
+    ROS_WARN("corrector: the only publisher on %s again", command_publisher_.getTopic().c_str());
   else
-    status.summaryf(Level::OK, "%lu poses: %lu passed unchanged, %lu limited", all, passed,
-                    limited);
+    ROS_ERROR("corrector: %s publishes on %s, too: nothing is corrected until it stops",
+              view.other_publishers.front().c_str(), command_publisher_.getTopic().c_str());
+}
+
+void CorrectorNode::onTuning(const CorrectorConfig& config) {
+  try {
+    for (const auto& arm : arms_)
+      arm->setTuning(config.gain, config.max_translation, config.max_rotation);
+    ROS_INFO("corrector: gain %g, at most %g m and %g rad", config.gain, config.max_translation,
+             config.max_rotation);
+  } catch (const InvalidInput& error) {
+    ROS_ERROR("%s; nothing was changed", error.what());
+  }
+}
+
+void CorrectorNode::offerServices(const std::string& ns, const std::vector<CorrectedArm*>& arms) {
+  using SetModeCallback = boost::function<bool(SetMode::Request&, SetMode::Response&)>;
+  using EnableCallback =
+      boost::function<bool(std_srvs::SetBool::Request&, std_srvs::SetBool::Response&)>;
+  const SetModeCallback set_mode = [arms](SetMode::Request& request, SetMode::Response& response) {
+    response.previous = correctorModeName(arms.front()->mode());
+    try {
+      const CorrectorMode mode = correctorModeFromName(request.mode);
+      for (CorrectedArm* const arm : arms) arm->setMode(mode);
+      response.success = true;
+      response.message = "mode " + request.mode;
+    } catch (const InvalidInput& error) {
+      response.message = error.what();
+    }
+    return true;
+  };
+  const CorrectorMode on = correctorModeFromName(params_.mode);
+  const EnableCallback enable = [arms, on](std_srvs::SetBool::Request& request,
+                                           std_srvs::SetBool::Response& response) {
+    response.success = true;
+    response.message =
+        std::string("mode ") + correctorModeName(request.data ? on : CorrectorMode::kOff);
+    for (CorrectedArm* const arm : arms) {
+      arm->setMode(request.data ? on : CorrectorMode::kOff);
+      if (request.data && !arm->hasModel())
+        response.message += "; no model yet" + (arm->ns().empty() ? "" : " for " + arm->ns()) +
+                            ": poses pass unchanged until the trainer publishes one";
+    }
+    return true;
+  };
+  services_.push_back(private_nh_.advertiseService(ns + "set_mode", set_mode));
+  services_.push_back(private_nh_.advertiseService(ns + "enable", enable));
 }
 
 }  // namespace raven_correction

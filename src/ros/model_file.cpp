@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr char kUnits[] = "m rad";
+
 std::vector<double> toVector(const Eigen::MatrixXd& matrix) {
   return {matrix.data(), matrix.data() + matrix.size()};
 }
@@ -97,6 +99,10 @@ CorrectionModel modelToMsg(const Correction& model) {
   msg.id = model.id;
   msg.version = model.version;
   msg.arm = model.arm;
+  msg.tool = model.tool;
+  msg.units = kUnits;
+  msg.pose_type = model.pose_type;
+  if (model.expires_at > 0.0) msg.expires.fromSec(model.expires_at);
   msg.inputs = model.inputs;
   msg.input_hash = model.input_hash;
   msg.configuration = model.configuration;
@@ -132,12 +138,18 @@ Correction modelFromMsg(const CorrectionModel& msg) {
         format("model %s has format %u, this program reads format %u; train it "
                "again with this version",
                msg.id.c_str(), msg.format, CorrectionModel::FORMAT));
+  if (msg.units != kUnits)
+    throw InvalidInput(format("model %s is in the units \"%s\", this program works in \"%s\"",
+                              msg.id.c_str(), msg.units.c_str(), kUnits));
   Correction model;
   model.id = msg.id;
   model.version = msg.version;
   model.trained_at = msg.header.stamp.toSec();
   model.frame = msg.header.frame_id;
   model.arm = msg.arm;
+  model.tool = msg.tool;
+  model.pose_type = msg.pose_type;
+  model.expires_at = msg.expires.toSec();
   model.inputs = msg.inputs;
   model.input_hash = msg.input_hash;
   model.configuration = msg.configuration;

@@ -9,6 +9,12 @@ std::string withoutSlash(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
 }
 
+bool sameName(std::string_view a, std::string_view b) noexcept {
+  if (!a.empty() && a.front() == '/') a.remove_prefix(1);
+  if (!b.empty() && b.front() == '/') b.remove_prefix(1);
+  return a == b;
+}
+
 std::string expandHome(const std::string& path) {
   const char* const home = std::getenv("HOME");
   if (home == nullptr) return path;

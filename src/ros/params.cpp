@@ -126,6 +126,13 @@ void ParamReader::numbers(const std::string& name, std::vector<double>& value, s
   remember(name, "[" + list + "]");
 }
 
+void ParamReader::texts(const std::string& name, std::vector<std::string>& value) {
+  get(name, value, "a list of texts");
+  std::string list;
+  for (const std::string& text : value) list += (list.empty() ? "\"" : ", \"") + text + "\"";
+  remember(name, "[" + list + "]");
+}
+
 void ParamReader::refuseUnknownKeys(const std::vector<std::string>& known_namespaces) {
   std::vector<std::string> names;
   nh_.getParamNames(names);

@@ -51,14 +51,14 @@ Recorder::Recorder(ros::NodeHandle nh, ros::NodeHandle private_nh, const Recorde
   const auto queue = static_cast<std::uint32_t>(params.subscriber_queue);
   const auto pose = [&](Stream stream, const char* topic, const std::string& type, auto callback) {
     streams_[stream].topic = topic;
-    streams_[stream].subscriber =
-        subscribePose(nh_, topic, type, queue,
-                      [this, callback](const auto& message) { (this->*callback)(message); });
+    streams_[stream].subscriber = subscribePose(
+        nh_, topic, type, queue,
+        [this, callback](const auto& message) { (this->*callback)(message); }, params_.command_arm);
   };
   static_transforms_subscriber_ =
       nh_.subscribe(topics::kTfStatic, 100, &Recorder::onStaticTransforms, this);
-  pose(kCommand, topics::kCommand, params.pose_type, &Recorder::onCommand);
-  pose(kDesired, topics::kDesired, params.pose_type, &Recorder::onDesired);
+  pose(kCommand, topics::kCommand, params.command_type, &Recorder::onCommand);
+  pose(kDesired, topics::kDesired, params.command_type, &Recorder::onDesired);
   pose(kMocap, topics::kMocap, params.mocap_pose_type, &Recorder::onMocap);
   pose(kEncoder, topics::kEncoder, params.pose_type, &Recorder::onEncoder);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();

@@ -7,6 +7,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/params.h"
+#include "raven_correction/ros/pose_command.h"
 #include "raven_correction/ros/pose_subscription.h"
 #include "raven_correction/ros/recorder.h"
 
@@ -15,13 +16,16 @@ namespace raven_correction {
 RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   RecorderParams params;
   params.directory = "~/raven_sessions";
-  std::vector<std::string> mocap_types = poseTypes();
+  std::vector<std::string> mocap_types = poseTypes(), types = commandTypes();
   mocap_types.insert(mocap_types.begin(), "same");
+  types.insert(types.begin(), "same");
   ParamReader read(nh, "recorder");
   read.text("directory", params.directory);
   read.flag("auto_start", params.auto_start);
   read.text("base_frame", params.base_frame);
   read.oneOf("pose_type", params.pose_type, poseTypes());
+  read.oneOf("command_type", params.command_type, types);
+  read.text("command_arm", params.command_arm);
   read.oneOf("mocap_pose_type", params.mocap_pose_type, mocap_types);
   read.text("mocap_frame", params.mocap_frame);
   read.oneOf("mocap_stamp", params.mocap_stamp, {"header", "receipt"});
@@ -40,6 +44,10 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   params.base_frame = withoutSlash(params.base_frame);
   if (params.base_frame.empty())
     throw InvalidInput("recorder: ~base_frame is empty; give the frame of servo_cp, e.g. 0_link");
+  if (params.command_type == "RavenCommand" && params.command_arm.empty())
+    throw InvalidInput(
+        "recorder: ~command_arm is empty; say which arm of the RavenCommand is recorded, e.g. L");
+  if (params.command_type == "same") params.command_type = params.pose_type;
   if (params.mocap_pose_type == "same") params.mocap_pose_type = params.pose_type;
   ROS_INFO_STREAM(read.summary());
   return params;
@@ -57,6 +65,8 @@ std::string recorderParametersYaml(const RecorderParams& params) {
   add("auto_start", params.auto_start);
   add("base_frame", params.base_frame);
   add("pose_type", params.pose_type);
+  add("command_type", params.command_type);
+  add("command_arm", params.command_arm);
   add("mocap_pose_type", params.mocap_pose_type);
   add("mocap_frame", params.mocap_frame);
   add("mocap_stamp", params.mocap_stamp);

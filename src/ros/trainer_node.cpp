@@ -37,6 +37,10 @@ TrainerParams loadTrainerParams(const ros::NodeHandle& nh) {
   read.text("model_directory", params.model_directory);
   read.text("configuration", params.configuration);
   read.text("model", params.model);
+  read.text("arm", params.arm);
+  read.text("tool", params.tool);
+  read.text("pose_type", params.pose_type);
+  read.number("valid_hours", params.valid_hours, 0.0, 1e5);
   read.refuseUnknownKeys();
   read.throwIfAnyProblem();
   ROS_INFO("%s", read.summary().c_str());
@@ -85,6 +89,18 @@ void TrainerNode::goLive(const Correction& model) {
   live_.push_back(model);
   model_publisher_.publish(modelToMsg(model));
   ROS_INFO("trainer: model %s is live", model.id.c_str());
+}
+
+/// Says what the model is for, so that no corrector of another arm or tool takes it.
+void TrainerNode::identify(Correction& model) const {
+  if (!params_.arm.empty() && !model.arm.empty() && model.arm != params_.arm)
+    throw InvalidInput(
+        format("the recording is of the arm \"%s\", this trainer is for \"%s\" (~arm)",
+               model.arm.c_str(), params_.arm.c_str()));
+  if (!params_.arm.empty()) model.arm = params_.arm;
+  model.tool = params_.tool;
+  model.pose_type = params_.pose_type;
+  if (params_.valid_hours > 0.0) model.expires_at = model.trained_at + 3600.0 * params_.valid_hours;
 }
 
 std::vector<std::string> TrainerNode::inputsOf(const Retrain::Request& request) const {
@@ -159,7 +175,8 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
                        [&](const std::string& phase, double fraction) {
                          publishProgress(WorkProgress::RUNNING, phase, 0.05 + 0.9 * fraction, "");
                        });
-  const Correction& model = result.training.model;
+  Correction model = result.training.model;
+  identify(model);
   response.model = model.id;
   response.delay = model.delay;
   response.pairs_total = static_cast<std::uint32_t>(result.training.fates.total());

@@ -235,6 +235,87 @@ TEST_F(CorrectorTest, TheBoxDoesNotMakeTheCommandJumpWhereThePlannerItselfLeaves
   EXPECT_THROW(Corrector{limits}, InvalidInput);
 }
 
+TEST_F(CorrectorTest, AHoldTakesTheCorrectionBackInSteps) {
+  CorrectorLimits limits;
+  limits.max_translation_rate = 0.1;
+  Corrector corrector(limits);
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  for (int i = 0; i < 50; ++i) send(corrector, i);
+  corrector.setHold(CorrectionHold::kRobotNotReady);
+  Eigen::Vector3d last = send(corrector, 50).command.p - inside(50).p;
+  EXPECT_GT(last.norm(), 0.005);
+  for (int i = 51; i < 150; ++i) {
+    const Eigen::Vector3d now = send(corrector, i).command.p - inside(i).p;
+    EXPECT_LE((now - last).norm(), 0.1 * 0.02 + 1e-12);
+    last = now;
+  }
+  const CorrectorOutput output = send(corrector, 150);
+  EXPECT_EQ(output.code, CorrectorCode::kPassedRobotNotReady);
+  EXPECT_TRUE(same(output.command, inside(150)));
+  corrector.setHold(CorrectionHold::kOtherPublisher);
+  EXPECT_EQ(send(corrector, 151).code, CorrectorCode::kPassedOtherPublisher);
+  corrector.setMode(CorrectorMode::kOff);
+  EXPECT_EQ(send(corrector, 152).code, CorrectorCode::kPassedOff);
+}
+
+TEST_F(CorrectorTest, TheGainIsAShareOfTheCorrection) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kRigid);
+  const Eigen::Vector3d full = send(corrector, 0).command.p - inside(0).p;
+  corrector.setTuning(0.25, 0.06, 0.8);
+  const Pose quarter = send(corrector, 1).command;
+  const Eigen::Vector3d wanted = 0.25 * ((model_.rigid * inside(1)).p - inside(1).p);
+  EXPECT_LT((quarter.p - inside(1).p - wanted).norm(), 1e-12);
+  EXPECT_GT(full.norm(), 0.01);
+  corrector.setTuning(0.0, 0.06, 0.8);
+  EXPECT_TRUE(same(send(corrector, 2).command, inside(2)));
+  EXPECT_THROW(corrector.setTuning(1.1, 0.06, 0.8), InvalidInput);
+  EXPECT_THROW(corrector.setTuning(std::nan(""), 0.06, 0.8), InvalidInput);
+  EXPECT_THROW(corrector.setTuning(1.0, 0.0, 0.8), InvalidInput);
+}
+
+TEST_F(CorrectorTest, AForwardedPoseThatWasNotCorrectedMakesOlderOnesStale) {
+  Corrector corrector(looseLimits());
+  send(corrector, 0);
+  EXPECT_FALSE(corrector.fault(stampOf(1), stampOf(1), inside(1)).has_value());
+  corrector.skip(stampOf(1));
+  EXPECT_EQ(corrector.fault(stampOf(1), stampOf(1), inside(1)),
+            CorrectorCode::kRefusedTimeBackwards);
+  EXPECT_EQ(send(corrector, 1).code, CorrectorCode::kRefusedTimeBackwards);
+  EXPECT_EQ(send(corrector, 2).code, CorrectorCode::kPassedOff);
+}
+
+TEST_F(CorrectorTest, TheDistanceIsThatFromTheBoxOfTheTraining) {
+  Corrector corrector(looseLimits());
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  EXPECT_EQ(send(corrector, 0).distance, 0.0);
+  const Pose far{{0.08, 0.09, 0.0}, inside(0).q};
+  EXPECT_NEAR(corrector.correct(101.0, 101.0, far, false).distance, 0.05, 1e-12);
+}
+
+TEST_F(CorrectorTest, WithoutAMeasuredPoseTheLastCommandIsWhereTheToolIs) {
+  CorrectorLimits limits = looseLimits();
+  limits.robot.max_step = 0.004;
+  Corrector corrector(limits);
+  send(corrector, 0);  // off: the tool is where the planner wants it
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  const CorrectorOutput output = send(corrector, 1);
+  EXPECT_NEAR((output.command.p - inside(0).p).norm(), 0.004, 1e-9);
+  EXPECT_TRUE(output.limits & kLimitRobotStep);
+  // A measured pose counts for max_measured_age, and only if it is one.
+  Pose tool = inside(2);
+  tool.p.x() -= 0.003;
+  corrector.setMeasured(stampOf(2), tool);
+  Pose bad = tool;
+  bad.p.x() = std::nan("");
+  corrector.setMeasured(stampOf(2), bad);
+  EXPECT_NEAR((send(corrector, 2).command.p - tool.p).norm(), 0.004, 1e-9);
+}
+
 TEST_F(CorrectorTest, TheLivePathDoesNotAllocate) {
   Corrector corrector(looseLimits());
   corrector.setModel(model_);

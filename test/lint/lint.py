@@ -28,6 +28,7 @@ CHECKS = {
     "messages": texts.check_messages,
     "launch": texts.check_launch_documentation,
     "yaml": texts.check_yaml,
+    "faults": texts.check_faults,
     "format": tools.check_format,
     "architecture": tools.check_architecture,
     "catkin": tools.check_catkin,

@@ -176,6 +176,17 @@ class Lint(unittest.TestCase):
         self.assert_red(texts.check_yaml, "config/a.yaml:1", "empty")
 
     # --- tools ------------------------------------------------------------------------------------
+    def test_faults(self):
+        self.write("test/nodes/a.cpp", SPDX + "TEST_F(Faults, NaN) {}\nTEST(Faults,\n     Long) {}\n")
+        self.write("test/nodes/b.py", "class Killed(unittest.TestCase):\n    def test_node(self):\n")
+        head = "| fault | behaviour | test |\n|---|---|---|\n"
+        self.write("doc/faults.md", head + "| a | b | `Faults.NaN`, `Faults.Long`, `Killed.test_node` |\n")
+        self.assert_green(texts.check_faults)
+        self.write("doc/faults.md", head + "| a | `Faults.NaN` | `Faults.Other` |\n")
+        self.assert_red(texts.check_faults, "doc/faults.md:3", "no test Faults.Other")
+        self.write("doc/faults.md", head + "| a | `Faults.NaN` | by hand |\n")
+        self.assert_red(texts.check_faults, "doc/faults.md:3", "names no test")
+
     def test_format(self):
         self.write(".clang-format", "BasedOnStyle: Google\n")
         self.write("src/geometry/a.cpp", "int a = 1;\n")

@@ -111,3 +111,33 @@ def check_yaml(project):
         except yaml.YAMLError as error:
             mark = getattr(error, "problem_mark", None)
             yield Finding(name, mark.line + 1 if mark else 1, "yaml", getattr(error, "problem", str(error)))
+
+
+def known_tests(project):
+    """Suite.Name of every gtest and every unittest method."""
+    for name in project.matching(r"test/.*\.(cpp|py)"):
+        suite = None
+        for found in re.finditer(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", project.text(name), re.MULTILINE):
+            yield f"{found[1]}.{found[2]}"
+        for line in project.text(name).splitlines():
+            if found := re.match(r"class (\w+)\(unittest\.TestCase\)", line):
+                suite = found[1]
+            elif found := re.match(r"    def (test_\w+)\(", line):
+                yield f"{suite}.{found[1]}"
+
+
+def check_faults(project):
+    """Every row of the table of faults (doc/faults.md) names tests, and they exist."""
+    name = "doc/faults.md"
+    if name not in project.files:
+        return
+    tests = set(known_tests(project))
+    for number, line in project.lines(name):
+        if not line.startswith("|") or set(line) <= set("|- ") or line.startswith("| fault"):
+            continue
+        named = re.findall(r"`(\w+\.\w+)`", line.rstrip("| ").rsplit("|", 1)[-1])
+        if not named:
+            yield Finding(name, number, "faults", "names no test; write it, and name it as `Suite.Test`")
+        for test in named:
+            if test not in tests:
+                yield Finding(name, number, "faults", f"there is no test {test}")

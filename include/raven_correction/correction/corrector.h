@@ -5,12 +5,15 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "raven_correction/correction/motion.h"
 #include "raven_correction/correction/predictor.h"
+#include "raven_correction/correction/robot_limits.h"
 
 namespace raven_correction {
 
@@ -25,6 +28,10 @@ enum class CorrectorCode {
   kPassedOutside = 6,
   kPassedModelFault = 7,
   kPassedBetweenEndpoints = 8,
+  kPassedNotAbsolute = 9,
+  kPassedInactive = 10,
+  kPassedRobotNotReady = 11,
+  kPassedOtherPublisher = 12,
   kRefusedNotFinite = 16,
   kRefusedNotUnit = 17,
   kRefusedFrame = 18,
@@ -33,6 +40,9 @@ enum class CorrectorCode {
   kRefusedFuture = 21,
   kRefusedTimeBackwards = 22,
   kRefusedLatched = 23,
+  kRefusedMalformed = 24,
+  kRefusedWithOtherArm = 25,
+  kRefusedUnreachable = 26,
 };
 constexpr bool isRefused(CorrectorCode code) noexcept { return static_cast<int>(code) >= 16; }
 /// "corrected", "refused_stale", ...
@@ -43,6 +53,19 @@ enum class CorrectorMode { kOff, kRigid, kFull, kEndpoint };
 /// @throws InvalidInput  for any other name; the text lists these
 CorrectorMode correctorModeFromName(const std::string& name);
 const char* correctorModeName(CorrectorMode mode) noexcept;
+
+/// Why nothing is corrected although the mode says so.
+enum class CorrectionHold { kNone, kRobotNotReady, kOtherPublisher };
+
+/// What a correction was shortened by; bits as in CorrectionStatus.msg.
+enum CorrectorLimit : std::uint8_t {
+  kLimitSize = 1,       ///< max_translation, max_rotation
+  kLimitRate = 2,       ///< max_translation_rate, max_rotation_rate
+  kLimitBox = 4,        ///< box_min, box_max
+  kLimitRobotStep = 8,  ///< robot.max_step, robot.max_turn
+  kLimitReach = 16,     ///< joints of the robot
+  kPlannerBeyond = 32,  ///< the desired pose itself is further from the tool than the robot takes
+};
 
 struct CorrectorLimits {
   double max_translation = 0.06;       ///< longest correction, > 0 [m]
@@ -56,6 +79,8 @@ struct CorrectorLimits {
   /// is; all zero: no box. [m]
   Eigen::Vector3d box_min = Eigen::Vector3d::Zero();
   Eigen::Vector3d box_max = Eigen::Vector3d::Zero();
+  RobotLimits robot;              ///< what the native controller takes
+  double max_measured_age = 0.1;  ///< an older pose of the tool is not used, > 0 [s]
 };
 
 struct CorrectorOutput {
@@ -64,7 +89,9 @@ struct CorrectorOutput {
   Eigen::Vector3d sd_position = Eigen::Vector3d::Zero();  ///< see Prediction [m]
   Eigen::Vector3d sd_rotation = Eigen::Vector3d::Zero();  ///< see Prediction [rad]
   double h_share = 0.0;                                   ///< share of H in the command
-  const std::string* model = nullptr;                     ///< id of the model used, or null
+  std::uint8_t limits = 0;                                ///< bits of CorrectorLimit
+  double distance = 0.0;  ///< of the desired pose from the box of the training poses [m]
+  const std::string* model = nullptr;  ///< id of the model used, or null
 };
 
 /// One corrector serves one stream of desired poses from one thread; setModel() and setMode()
@@ -80,22 +107,45 @@ class Corrector {
   void setModel(const Correction& model);
   void setMode(CorrectorMode mode) noexcept { mode_.store(mode, std::memory_order_relaxed); }
   CorrectorMode mode() const noexcept { return mode_.load(std::memory_order_relaxed); }
+  /// Takes the correction back, at its limited rate, for as long as there is a reason.
+  void setHold(CorrectionHold hold) noexcept { hold_.store(hold, std::memory_order_relaxed); }
+  CorrectionHold hold() const noexcept { return hold_.load(std::memory_order_relaxed); }
+  /// Takes effect with the next pose, at the limited rate.
+  /// @param gain  share of the correction that is applied, 0 to 1 [-]
+  /// @param max_translation, max_rotation  see CorrectorLimits
+  /// @throws InvalidInput  out of range
+  void setTuning(double gain, double max_translation, double max_rotation);
+
+  /// Where the tool is by its encoders, in the base frame, for robot.max_step and robot.max_turn.
+  /// Of the live thread; ignored unless it is a pose.
+  /// @param now  the clock [s]
+  void setMeasured(double now, const Pose& measured) noexcept;
+
+  /// The code with which correct() would refuse the pose for what it is, not counting
+  /// kRefusedUnreachable; nothing if it would not. Changes no state.
+  std::optional<CorrectorCode> fault(double stamp, double now, const Pose& desired) const noexcept;
 
   /// No allocation, lock, log or throw. With T the correction as a motion of the tool (translation
   /// in base, rotation vector in the tool frame), F(x) = x + T:
-  ///   1. refuse what is not a pose, not new, or not of now
-  ///   2. T from the mode: 0 (off), G, or F with its fades
-  ///   3. shorten T to max_translation and max_rotation
+  ///   1. refuse what is not a pose, not new, or not of now: fault()
+  ///   2. T from the mode: 0 (off), G, or F with its fades; times the gain
+  ///   3. shorten T to max_translation and max_rotation, then to the longest share of it with which
+  ///      the joints reach the command
   ///   4. move the T in force towards it by at most rate * time since the last pose
-  ///   5. shorten the translation in force so that it stays in the box
-  /// A refused pose changes no state. Unless the code is kCorrected*, kRigidOnly or kPassedOutside,
-  /// and once a former correction has been taken back in steps, the command equals the desired pose
-  /// bit for bit.
+  ///   5. shorten the T in force so that the command is within robot.max_step and robot.max_turn of
+  ///      the tool (or of the last command, where the tool is not known), and in the box; or no
+  ///      further out than the desired pose is
+  ///   6. refuse what the joints do not reach even so: T is then taken back pose by pose
+  /// A refused pose changes no state, except in step 6. Unless the code is kCorrected*, kRigidOnly
+  /// or kPassedOutside, and once a former correction has been taken back in steps, the command
+  /// equals the desired pose bit for bit.
   /// @param stamp    of the desired pose [s]
   /// @param now      the clock [s]
   /// @param desired  in the base frame
   /// @param endpoint  the pose is the first or last of a path (counts in mode endpoint only)
   CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint) noexcept;
+  /// A pose of this stream was forwarded without being corrected: a later one must be newer.
+  void skip(double stamp) noexcept;
 
   /// Forgets the stream (after a jump of the clock); the correction in force goes on from where it
   /// is.
@@ -113,10 +163,14 @@ class Corrector {
   CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
 
   bool keepInBox(const Eigen::Vector3d& desired, Eigen::Vector3d& translation) const noexcept;
+  std::uint8_t keepNearTool(double now, const Pose& desired) noexcept;
 
   CorrectorLimits limits_;
   bool has_box_ = false;
+  RobotReach reach_;
   std::atomic<CorrectorMode> mode_{CorrectorMode::kOff};
+  std::atomic<CorrectionHold> hold_{CorrectionHold::kNone};
+  std::atomic<double> gain_{1.0}, max_translation_, max_rotation_;
   std::vector<std::unique_ptr<Live>> models_;  // of the thread that sets models
   std::atomic<Live*> live_{nullptr};
 
@@ -125,6 +179,9 @@ class Corrector {
   double last_stamp_ = 0.0;
   Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();  // correction in force, base frame
   Eigen::Vector3d rotation_ = Eigen::Vector3d::Zero();     // rotation vector, tool frame
+  Pose measured_, last_command_;
+  double measured_at_ = -std::numeric_limits<double>::infinity();
+  bool commanded_ = false;  // last_command_ is one
 };
 
 }  // namespace raven_correction

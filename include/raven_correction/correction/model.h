@@ -39,6 +39,9 @@ struct Correction {
   double trained_at = 0.0;          ///< Unix time [s]
   std::string frame = "base";       ///< base frame of all poses
   std::string arm;                  ///< robot and arm it is for; empty: not known
+  std::string tool;                 ///< on that arm; empty: not known
+  std::string pose_type;            ///< message type of the commands; empty: not known
+  double expires_at = 0.0;          ///< Unix time; 0: never [s]
   std::vector<std::string> inputs;  ///< files it was trained on
   std::string input_hash;           ///< of the training pairs
   std::string configuration;        ///< the complete trainer configuration, YAML

@@ -4,11 +4,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace raven_correction {
 
 /// "/0_link" and "0_link" are the same frame, "/servo_cp" and "servo_cp" the same topic of a bag.
 std::string withoutSlash(const std::string& name);
+/// withoutSlash(a) == withoutSlash(b), without allocation.
+bool sameName(std::string_view a, std::string_view b) noexcept;
 
 /// "~", "~/x", "$HOME" and "$HOME/x" with the home directory in its place; all else, and everything
 /// where HOME is not set, as it is.

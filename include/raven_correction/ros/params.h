@@ -28,6 +28,7 @@ class ParamReader {
   void oneOf(const std::string& name, std::string& value, const std::vector<std::string>& choices);
   void numbers(const std::string& name, std::vector<double>& value, std::size_t count, double min,
                double max);
+  void texts(const std::string& name, std::vector<std::string>& value);
 
   /// Keys set under the private namespace that no call asked for are problems, too, with the
   /// nearest known name. Keys set by ROS itself and sub-namespaces given here are left alone.

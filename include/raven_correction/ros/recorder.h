@@ -31,6 +31,8 @@ struct RecorderParams {
   bool auto_start = false;                ///< start a recording at once
   std::string base_frame = "0_link";      ///< frame of the native controller
   std::string pose_type = "PoseStamped";  ///< message of servo_cp, desired/servo_cp, measured_cp
+  std::string command_type = "same";      ///< message of both command topics; same: as pose_type
+  std::string command_arm;                ///< arm of a RavenCommand
   std::string mocap_pose_type = "same";   ///< message of mocap/measured_cp; same: as pose_type
   std::string mocap_frame;  ///< frame of motion capture messages that name none; empty: unknown
   std::string mocap_stamp = "header";  ///< header, or receipt for drivers that leave it empty

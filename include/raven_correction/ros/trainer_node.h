@@ -25,6 +25,10 @@ struct TrainerParams {
   std::string model_directory = "~/raven_models";   ///< where models are written
   std::string configuration;  ///< trainer configuration; empty: config/trainer.yaml of the package
   std::string model;          ///< model file to start with; empty: none
+  std::string arm;            ///< whose recordings are learned from; empty: as they say
+  std::string tool;           ///< on that arm; empty: not known
+  std::string pose_type;      ///< message type of the commands; empty: not known
+  double valid_hours = 0.0;   ///< a model is not taken into use later than this; 0: no limit [h]
 };
 /// `~` at the start of a directory becomes $HOME.
 /// @throws InvalidInput  lists every problem
@@ -45,6 +49,7 @@ class TrainerNode {
   void retrain(const Retrain::Request& request, Retrain::Response& response);
   std::vector<std::string> inputsOf(const Retrain::Request& request) const;
   void goLive(const Correction& model);
+  void identify(Correction& model) const;
   void publishProgress(std::uint8_t state, const std::string& phase, double fraction,
                        const std::string& message);
   void publishReport(const ValidatedTraining& result, const Retrain::Response& response);

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One arm of the node `corrector`: its correction, the model, path and modes it is told of, and its
+// status and diagnostics. The command topic, which two arms may share, is corrector_node.h.
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <geometry_msgs/PoseArray.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <raven_correction/CorrectionModel.h>
+#include <raven_correction/CorrectionStatus.h>
+#include <raven_correction/SetMode.h>
+#include <ros/callback_queue_interface.h>
+#include <ros/ros.h>
+#include <std_srvs/SetBool.h>
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "raven_correction/correction/corrector.h"
+#include "raven_correction/ros/corrector_params.h"
+#include "raven_correction/ros/latency_histogram.h"
+#include "raven_correction/ros/master_watch.h"
+#include "raven_correction/ros/message_pool.h"
+#include "raven_correction/ros/pose_command.h"
+
+namespace raven_correction {
+
+class CorrectedArm {
+ public:
+  /// @param nh          the namespace of the node; topics are below it in that of the arm
+  /// @param private_nh  of the node
+  /// @param live_queue  of the thread that handles poses
+  /// @throws InvalidInput  a file of the arm cannot be used
+  CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
+               const CorrectorParams& params, const CorrectedArmParams& arm,
+               ros::CallbackQueueInterface& live_queue);
+
+  // --- of the live thread
+  /// Why the request is refused, before anything is done about it.
+  std::optional<CorrectorCode> fault(const ArmRequest& request, double stamp,
+                                     double now) const noexcept;
+  /// @param request  without fault
+  CorrectorOutput answer(const ArmRequest& request, double stamp, double now) noexcept;
+  /// Publishes and counts what became of a request.
+  void report(const ros::Time& stamp, const ArmRequest& request, const CorrectorOutput& output,
+              double compute_time);
+  /// Forgets the stream.
+  void restart() noexcept;
+
+  // --- of any thread
+  const std::string& ns() const noexcept { return arm_.ns; }
+  void setHold(CorrectionHold hold) noexcept { corrector_.setHold(hold); }
+  /// @throws InvalidInput  see Corrector
+  void setTuning(double gain, double max_translation, double max_rotation) {
+    corrector_.setTuning(gain, max_translation, max_rotation);
+  }
+  void setMode(CorrectorMode mode);
+  CorrectorMode mode() const noexcept { return corrector_.mode(); }
+  bool hasModel();
+  /// The robot was homed: a model from before may be off.
+  void noteHoming(double now);
+  void addTo(Registrations& registrations) const;
+
+ private:
+  static constexpr std::size_t kCodes = 32;
+  struct ModelSummary {
+    std::string id;
+    double trained_at = 0.0, expires_at = 0.0;
+  };
+
+  bool isEndpoint(const Pose& desired) const noexcept;
+  void onPath(const geometry_msgs::PoseArray& path);
+  void onMeasured(const geometry_msgs::PoseStampedConstPtr& measured);
+  void onModel(const CorrectionModel& msg);
+  void useModel(const Correction& model);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ros::NodeHandle nh_;
+  const CorrectorParams params_;
+  const CorrectedArmParams arm_;
+  Corrector corrector_;
+
+  // Of the live thread alone.
+  Pose path_first_, path_last_;
+  bool has_path_ = false;
+  Pose known_;  // what the planner asked for last: the parts that a later request leaves out
+  bool known_position_ = false, known_orientation_ = false;
+  MessagePool<CorrectionStatus> statuses_;
+
+  // Counted by the live thread, read by diagnostics.
+  std::array<std::atomic<std::uint64_t>, kCodes> counts_{};
+  LatencyHistogram latency_;
+  std::atomic<double> distance_{0.0};
+  std::atomic<std::uint64_t> beyond_{0};
+
+  // Guarded by mutex_.
+  std::mutex mutex_;
+  ModelSummary model_;
+  std::string refusal_;  // of the last model that was refused; empty: the last one was taken
+  double homed_at_ = 0.0;
+  std::array<std::uint64_t, kCodes> reported_{};
+  ros::SteadyTime reported_at_;
+
+  diagnostic_updater::Updater diagnostics_;
+  ros::Publisher status_publisher_;
+  ros::Subscriber path_subscriber_, measured_subscriber_, model_subscriber_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+}  // namespace raven_correction

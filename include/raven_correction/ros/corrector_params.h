@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the node `corrector` (config/corrector.yaml says what each means), and whether a
+// model is for the arm that they describe.
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <string>
+#include <vector>
+
+#include "raven_correction/correction/corrector.h"
+
+namespace raven_correction {
+
+/// One arm. With a single arm its parameters are those of the node; with two, each has a namespace
+/// of its own below it.
+struct CorrectedArmParams {
+  std::string name;   ///< in arm_names of a RavenCommand; empty: the message has one pose
+  std::string ns;     ///< of its topics and parameters, below those of the node; empty: the same
+  std::string arm;    ///< whose models are taken; empty: not checked
+  std::string tool;   ///< with which it was recorded; empty: not checked
+  std::string model;  ///< file to start with; empty: wait for the topic
+  std::string robot;  ///< kinematic chain (config/robots) for the limits of the joints; empty: none
+};
+
+struct CorrectorParams {
+  std::string base_frame = "0_link";      ///< the only frame that is accepted
+  bool allow_empty_frame = false;         ///< no frame means the base frame
+  std::string pose_type = "PoseStamped";  ///< of desired/servo_cp and servo_cp: commandTypes()
+  std::string mode = "full";              ///< that ~enable switches on
+  bool enabled = false;                   ///< at start
+  double gain = 1.0;                      ///< share of the correction that is applied [-]
+  CorrectorLimits limits;                 ///< without the chain
+  std::string robot_state_topic;          ///< enabled and homed? empty: not asked
+  double robot_state_timeout = 1.0;       ///< an older state is not known any more [s]
+  bool watch_output = true;               ///< ask the master who else publishes the output
+  std::vector<CorrectedArmParams> arms;   ///< one or two
+};
+/// @throws InvalidInput  lists every problem
+CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh);
+
+/// @param now  Unix time [s]
+/// @throws InvalidInput  the model is of another frame, arm, tool, message type or unit, or has
+///                       expired; the text says which, and what to do
+void checkModelIsFor(const Correction& model, const CorrectorParams& params,
+                     const CorrectedArmParams& arm, double now);
+
+}  // namespace raven_correction

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/ros/corrected_arm.h"
+
+#include "raven_correction/error.h"
+#include "raven_correction/robot/chain_file.h"
+#include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/names.h"
+#include "raven_correction/ros/pose_subscription.h"
+#include "raven_correction/ros/topics.h"
+
+namespace raven_correction {
+namespace {
+
+constexpr double kSamePlace = 1e-6;  ///< an end of the path is this near [m, rad]
+
+CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams& arm) {
+  CorrectorLimits limits = params.limits;
+  if (arm.robot.empty()) return limits;
+  auto chain = std::make_shared<KinematicChain>(loadKinematicChain(arm.robot));
+  if (!sameName(chain->frame(), params.base_frame))
+    throw InvalidInput(format("corrector: %s is a robot in the frame \"%s\", ~base_frame is \"%s\"",
+                              arm.robot.c_str(), chain->frame().c_str(),
+                              params.base_frame.c_str()));
+  limits.robot.chain = std::move(chain);
+  return limits;
+}
+
+}  // namespace
+
+CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
+                           const CorrectorParams& params, const CorrectedArmParams& arm,
+                           ros::CallbackQueueInterface& live_queue)
+    : nh_(nh, arm.ns),
+      params_(params),
+      arm_(arm),
+      corrector_(limitsOf(params, arm)),
+      reported_at_(ros::SteadyTime::now()),
+      diagnostics_(nh, private_nh, private_nh.getNamespace()) {
+  corrector_.setTuning(params.gain, params.limits.max_translation, params.limits.max_rotation);
+  if (!arm.model.empty()) useModel(readModelFile(arm.model));
+  setMode(params.enabled ? correctorModeFromName(params.mode) : CorrectorMode::kOff);
+  status_publisher_ = nh_.advertise<CorrectionStatus>(topics::kStatus, 100);
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add(arm.ns.empty() ? "correction" : "correction " + arm.ns, this,
+                   &CorrectedArm::diagnose);
+
+  ros::NodeHandle live(nh_);
+  live.setCallbackQueue(&live_queue);
+  path_subscriber_ = live.subscribe(topics::kDesiredPath, 1, &CorrectedArm::onPath, this);
+  if (params.limits.robot.max_step > 0.0 || params.limits.robot.max_turn > 0.0)
+    measured_subscriber_ = subscribePose(
+        live, topics::kEncoder,
+        params.pose_type == "TransformStamped" ? "TransformStamped" : "PoseStamped", 1,
+        [this](const geometry_msgs::PoseStampedConstPtr& measured) { onMeasured(measured); });
+  model_subscriber_ = nh_.subscribe(topics::kModel, 1, &CorrectedArm::onModel, this);
+  diagnostics_timer_ = nh_.createWallTimer(
+      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_.update(); });
+  ROS_INFO("corrector: model from %s, status on %s", model_subscriber_.getTopic().c_str(),
+           status_publisher_.getTopic().c_str());
+}
+
+// --- live ----------------------------------------------------------------------------------------
+
+std::optional<CorrectorCode> CorrectedArm::fault(const ArmRequest& request, double stamp,
+                                                 double now) const noexcept {
+  Pose asked;  // a part that is not asked for may hold anything
+  if (request.position) asked.p = request.pose.p;
+  if (request.orientation) asked.q = request.pose.q;
+  return corrector_.fault(stamp, now, asked);
+}
+
+CorrectorOutput CorrectedArm::answer(const ArmRequest& request, double stamp, double now) noexcept {
+  CorrectorOutput output;
+  output.command = request.pose;
+  if (request.kind == ArmRequest::Kind::kInactive) {
+    output.code = CorrectorCode::kPassedInactive;
+    return output;
+  }
+  if (request.kind == ArmRequest::Kind::kRelative) {
+    known_position_ = known_orientation_ = false;  // increments add up in the controller
+  } else {
+    if (request.position) known_.p = request.pose.p;
+    if (request.orientation) known_.q = request.pose.q;
+    known_position_ |= request.position;
+    known_orientation_ |= request.orientation;
+  }
+  if (known_position_ && known_orientation_)
+    return corrector_.correct(stamp, now, known_, isEndpoint(known_));
+  corrector_.skip(stamp);
+  output.code = CorrectorCode::kPassedNotAbsolute;
+  return output;
+}
+
+void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
+                          const CorrectorOutput& output, double compute_time) {
+  ++counts_[static_cast<std::size_t>(output.code)];
+  latency_.add(compute_time);
+  if (output.distance > distance_.load(std::memory_order_relaxed))
+    distance_.store(output.distance, std::memory_order_relaxed);
+  if ((output.limits & kPlannerBeyond) != 0) ++beyond_;
+  const boost::shared_ptr<CorrectionStatus> status = statuses_.next();
+  status->header.stamp = stamp;
+  status->header.frame_id = params_.base_frame;
+  status->code = static_cast<std::uint8_t>(output.code);
+  status->mode = correctorModeName(corrector_.mode());
+  if (output.model != nullptr)
+    status->model = *output.model;
+  else
+    status->model.clear();
+  status->desired = poseToMsg(request.pose);
+  status->command = isRefused(output.code) ? geometry_msgs::Pose() : poseToMsg(output.command);
+  status->sd_position = vectorToMsg(output.sd_position);
+  status->sd_rotation = vectorToMsg(output.sd_rotation);
+  status->limits = output.limits;
+  status->h_share = output.h_share;
+  status->compute_time = compute_time;
+  status_publisher_.publish(status);
+}
+
+void CorrectedArm::restart() noexcept {
+  corrector_.restart();
+  known_position_ = known_orientation_ = false;
+}
+
+bool CorrectedArm::isEndpoint(const Pose& desired) const noexcept {
+  if (!has_path_) return false;
+  const auto same = [&](const Pose& end) {
+    return (desired.p - end.p).norm() < kSamePlace && rotationAngle(desired.q, end.q) < kSamePlace;
+  };
+  return same(path_first_) || same(path_last_);
+}
+
+void CorrectedArm::onPath(const geometry_msgs::PoseArray& path) {
+  const std::string& frame = path.header.frame_id;
+  has_path_ = !path.poses.empty() &&
+              (sameName(frame, params_.base_frame) || (frame.empty() && params_.allow_empty_frame));
+  if (!has_path_) return;
+  path_first_ = poseFromMsg(path.poses.front());
+  path_last_ = poseFromMsg(path.poses.back());
+}
+
+void CorrectedArm::onMeasured(const geometry_msgs::PoseStampedConstPtr& measured) {
+  const std::string& frame = measured->header.frame_id;
+  if (!sameName(frame, params_.base_frame) && !(frame.empty() && params_.allow_empty_frame)) return;
+  corrector_.setMeasured(ros::Time::now().toSec(), poseFromMsg(measured->pose));
+}
+
+// --- told by others ------------------------------------------------------------------------------
+
+void CorrectedArm::useModel(const Correction& model) {
+  checkModelIsFor(model, params_, arm_, ros::WallTime::now().toSec());
+  corrector_.setModel(model);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  model_ = {model.id, model.trained_at, model.expires_at};
+  refusal_.clear();
+}
+
+void CorrectedArm::onModel(const CorrectionModel& msg) {
+  try {
+    useModel(modelFromMsg(msg));
+    ROS_INFO("corrector: model %s is in use", msg.id.c_str());
+  } catch (const std::exception& error) {
+    ROS_ERROR("corrector: model refused, the one before stays in use: %s", error.what());
+    const std::lock_guard<std::mutex> lock(mutex_);
+    refusal_ = error.what();
+  }
+}
+
+void CorrectedArm::setMode(CorrectorMode mode) {
+  corrector_.setMode(mode);
+  ROS_INFO("corrector: %s%smode %s", arm_.ns.c_str(), arm_.ns.empty() ? "" : ": ",
+           correctorModeName(mode));
+}
+
+bool CorrectedArm::hasModel() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return !model_.id.empty();
+}
+
+void CorrectedArm::noteHoming(double now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  homed_at_ = now;
+}
+
+void CorrectedArm::addTo(Registrations& registrations) const {
+  registrations.add(status_publisher_.getTopic(), ros::message_traits::datatype<CorrectionStatus>(),
+                    true);
+  registrations.add(model_subscriber_.getTopic(), ros::message_traits::datatype<CorrectionModel>(),
+                    false);
+  registrations.add(path_subscriber_.getTopic(),
+                    ros::message_traits::datatype<geometry_msgs::PoseArray>(), false);
+  if (measured_subscriber_)
+    registrations.add(measured_subscriber_.getTopic(),
+                      params_.pose_type == "TransformStamped"
+                          ? ros::message_traits::datatype<geometry_msgs::TransformStamped>()
+                          : ros::message_traits::datatype<geometry_msgs::PoseStamped>(),
+                      false);
+}
+
+// --- diagnostics ---------------------------------------------------------------------------------
+
+void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using Level = diagnostic_msgs::DiagnosticStatus;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::array<std::uint64_t, kCodes> recent{};
+  std::uint64_t all = 0, refused = 0, passed = 0;
+  for (std::size_t i = 0; i < kCodes; ++i) {
+    const std::uint64_t total = counts_[i];
+    recent[i] = total - reported_[i];
+    reported_[i] = total;
+    all += recent[i];
+    const auto code = static_cast<CorrectorCode>(i);
+    if (isRefused(code)) refused += recent[i];
+    if (code >= CorrectorCode::kPassedOff && !isRefused(code)) passed += recent[i];
+    if (total > 0) status.add(correctorCodeName(code), std::to_string(total));
+  }
+  const auto of = [&](CorrectorCode code) { return recent[static_cast<std::size_t>(code)]; };
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  const double seconds = (now - reported_at_).toSec();
+  reported_at_ = now;
+  const auto share = [&](std::uint64_t count) {
+    return format("%.3f", all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0.0);
+  };
+  const LatencyHistogram::Snapshot latency = latency_.take();
+  const double unix_time = ros::WallTime::now().toSec();
+  const std::uint64_t beyond = beyond_.exchange(0);
+  status.add("mode", correctorModeName(corrector_.mode()));
+  status.add("input rate [1/s]", format("%.1f", static_cast<double>(all) / seconds));
+  status.add("latency p50, p99, p99.9, max [us]",
+             format("%.0f, %.0f, %.0f, %.0f", 1e6 * latency.p50, 1e6 * latency.p99,
+                    1e6 * latency.p999, 1e6 * latency.max));
+  status.add("share limited", share(of(CorrectorCode::kCorrectedLimited)));
+  status.add("share refused", share(refused));
+  status.add("share of poses beyond the robot's step", share(beyond));
+  status.add("furthest from the trained region [m]", format("%.4f", distance_.exchange(0.0)));
+  status.add("model", model_.id.empty() ? "none" : model_.id);
+  if (model_.trained_at > 0.0)
+    status.add("model age [h]", format("%.1f", (unix_time - model_.trained_at) / 3600.0));
+
+  if (of(CorrectorCode::kPassedModelFault) > 0)
+    status.summaryf(Level::ERROR, "the model answered %lu poses with numbers that are not finite",
+                    of(CorrectorCode::kPassedModelFault));
+  else if (corrector_.hold() == CorrectionHold::kOtherPublisher)
+    status.summary(Level::ERROR, "somebody else publishes commands: nothing is corrected");
+  else if (all == 0)
+    status.summary(Level::OK, "the planner is silent");
+  else if (refused > 0)
+    status.summaryf(Level::WARN, "%lu of %lu poses refused", refused, all);
+  else
+    status.summaryf(Level::OK, "%lu poses: %lu passed unchanged, %lu limited", all, passed,
+                    of(CorrectorCode::kCorrectedLimited));
+  if (corrector_.hold() == CorrectionHold::kRobotNotReady)
+    status.mergeSummary(Level::WARN, "the robot is not enabled and homed: nothing is corrected");
+  if (beyond > 0)
+    status.mergeSummary(Level::WARN, "the planner's poses are further than the robot's step");
+  if (!refusal_.empty()) status.mergeSummary(Level::WARN, "a model was refused: " + refusal_);
+  if (model_.expires_at > 0.0 && unix_time > model_.expires_at)
+    status.mergeSummary(Level::WARN, "the model has expired");
+  if (homed_at_ > model_.trained_at && !model_.id.empty())
+    status.mergeSummary(Level::WARN, "the robot was homed after the model was trained");
+}
+
+}  // namespace raven_correction

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The corrector under simulated time that jumps: as when a bag is played in a loop, or a simulation
+// starts again.
+#include <gtest/gtest.h>
+#include <rosgraph_msgs/Clock.h>
+
+#include "support/corrector_probe.h"
+#include "support/node_main.h"
+#include "support/simple_model.h"
+
+namespace raven_correction {
+namespace {
+
+const Pose kInside{{0.01, 0.01, -0.01}, expRotation({0.02, 0.0, 0.01})};
+
+class CorrectorClock : public ::testing::Test {
+ protected:
+  CorrectorClock() : clock_(probe_.nh.advertise<rosgraph_msgs::Clock>("/clock", 1)) {}
+
+  /// Sets the clock for everybody: until a pose with that stamp is not refused for its age.
+  CorrectionStatus sendAt(double time) {
+    rosgraph_msgs::Clock now;
+    now.clock.fromSec(time);
+    CorrectionStatus status;
+    EXPECT_TRUE(probe_.until([&] {
+      clock_.publish(now);
+      if (std::abs(ros::Time::now().toSec() - time) > 1e-6) return false;
+      geometry_msgs::PoseStamped message = probe_.message(kInside);
+      message.header.stamp.fromSec(time += 1e-4);
+      status = probe_.send(message);
+      return status.code != CorrectionStatus::REFUSED_STALE &&
+             status.code != CorrectionStatus::REFUSED_FUTURE;
+    }));
+    return status;
+  }
+
+  CorrectorProbe<geometry_msgs::PoseStamped> probe_{"arm"};
+  ros::Publisher clock_;
+};
+
+TEST_F(CorrectorClock, ClockThatJumpsBackStartsTheStreamAnew) {
+  probe_.publishModel(simpleModel());
+  CorrectionStatus status;
+  double time = 1000.0;
+  EXPECT_TRUE(probe_.until([&] {
+    status = sendAt(time += 0.05);
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  const Pose before = poseFromMsg(status.command);
+  // The loop of a bag: the same stamps once more are no repetition, and the correction goes on from
+  // where it is.
+  status = sendAt(500.0);
+  EXPECT_EQ(status.code, CorrectionStatus::CORRECTED);
+  EXPECT_LT((poseFromMsg(status.command).p - before.p).norm(), 1e-3);
+  EXPECT_EQ(sendAt(500.05).code, CorrectionStatus::CORRECTED);
+}
+
+TEST_F(CorrectorClock, ClockThatJumpsAheadAllowsNoLargerStep) {
+  probe_.statuses.clear();
+  sendAt(2000.0);
+  probe_.setMode("off");
+  sendAt(2000.05);
+  sendAt(9000.0);  // two hours of silence
+  expectStepsWithin(probe_.statuses, 0.15, 2.0, 0.1);
+  EXPECT_LT(probe_.statuses.back().code, 16);
+}
+
+}  // namespace
+}  // namespace raven_correction
+
+int main(int argc, char** argv) {
+  return raven_correction::runNodeTests(argc, argv, "test_corrector_clock");
+}

@@ -1,0 +1,506 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every fault of doc/faults.md that comes through a topic or a service, injected there. Those of
+// clocks are corrector_clock.cpp, those of processes corrector_processes.py.
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <thread>
+
+#include "raven_correction/ros/raw_message.h"
+#include "support/corrector_probe.h"
+#include "support/node_main.h"
+#include "support/simple_model.h"
+
+namespace raven_correction {
+namespace {
+
+// config/corrector.yaml
+constexpr double kTranslationRate = 0.15, kRotationRate = 2.0, kMaxStepTime = 0.1;
+
+const Pose kInside{{0.01, 0.01, -0.01}, expRotation({0.02, 0.0, 0.01})};
+
+/// Slowly along a line inside the trained region.
+Pose along(double t) {
+  return {{0.02 * std::sin(t), 0.01, -0.01}, expRotation({0.02, 0.0, 0.05 * std::sin(t)})};
+}
+
+const Correction& model() {
+  static const Correction fitted = simpleModel();
+  return fitted;
+}
+
+/// The corrector as most will have it: PoseStamped, config/corrector.yaml, switched on.
+class CorrectorFaults : public ::testing::Test {
+ protected:
+  using Probe = CorrectorProbe<geometry_msgs::PoseStamped>;
+
+  void SetUp() override { correctAgain(); }
+
+  void correctAgain() {
+    probe_.setMode("full");
+    probe_.publishModel(model());
+    ASSERT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+      return status.code == CorrectionStatus::CORRECTED && status.model == "simple";
+    }));
+  }
+  geometry_msgs::PoseStamped good() const { return probe_.message(kInside); }
+  void expectRefused(const geometry_msgs::PoseStamped& bad, std::uint8_t code) {
+    probe_.expectRefused(bad, code, kInside);
+  }
+  /// A model that the corrector must not take: the one before goes on, and diagnostics say why.
+  void expectModelRefused(const CorrectionModel& bad, const std::string& reason) {
+    probe_.publishModel(bad);
+    EXPECT_TRUE(probe_.diagnosed([&](const auto& status) {
+      return status.level == diagnostic_msgs::DiagnosticStatus::WARN &&
+             status.message.find("a model was refused") != std::string::npos &&
+             status.message.find(reason) != std::string::npos;
+    })) << reason;
+    const CorrectionStatus status = probe_.send(kInside);
+    EXPECT_EQ(status.code, CorrectionStatus::CORRECTED);
+    EXPECT_EQ(status.model, "simple");
+  }
+
+  Probe probe_{"plain"};
+};
+
+// --- the message ---------------------------------------------------------------------------------
+
+TEST_F(CorrectorFaults, NaNIsNotForwarded) {
+  for (int component = 0; component < 7; ++component) {
+    geometry_msgs::PoseStamped bad = good();
+    double* const values[] = {&bad.pose.position.x,    &bad.pose.position.y,
+                              &bad.pose.position.z,    &bad.pose.orientation.x,
+                              &bad.pose.orientation.y, &bad.pose.orientation.z,
+                              &bad.pose.orientation.w};
+    *values[component] = component % 2 == 0 ? std::nan("") : HUGE_VAL;
+    expectRefused(bad, CorrectionStatus::REFUSED_NOT_FINITE);
+  }
+}
+
+TEST_F(CorrectorFaults, NonUnitQuaternionIsNotForwarded) {
+  geometry_msgs::PoseStamped bad = good();
+  bad.pose.orientation.w = 2.0;
+  expectRefused(bad, CorrectionStatus::REFUSED_NOT_UNIT);
+  bad = good();
+  bad.pose.orientation = geometry_msgs::Quaternion();  // all zero, as from a default message
+  expectRefused(bad, CorrectionStatus::REFUSED_NOT_UNIT);
+}
+
+TEST_F(CorrectorFaults, ZeroStampIsNotForwarded) {
+  geometry_msgs::PoseStamped bad = good();
+  bad.header.stamp = ros::Time(0);
+  expectRefused(bad, CorrectionStatus::REFUSED_ZERO_STAMP);
+}
+
+TEST_F(CorrectorFaults, StaleStampIsNotForwarded) {
+  geometry_msgs::PoseStamped bad = good();
+  bad.header.stamp -= ros::Duration(2.0);
+  expectRefused(bad, CorrectionStatus::REFUSED_STALE);
+}
+
+TEST_F(CorrectorFaults, StampAheadOfTheClockIsNotForwarded) {
+  geometry_msgs::PoseStamped bad = good();
+  bad.header.stamp += ros::Duration(30.0);
+  expectRefused(bad, CorrectionStatus::REFUSED_FUTURE);
+}
+
+TEST_F(CorrectorFaults, DuplicateIsNotForwarded) {
+  const geometry_msgs::PoseStamped first = good();
+  EXPECT_EQ(probe_.send(first).code, CorrectionStatus::CORRECTED);
+  expectRefused(first, CorrectionStatus::REFUSED_TIME_BACKWARDS);
+}
+
+TEST_F(CorrectorFaults, StampThatRunsBackIsNotForwarded) {
+  geometry_msgs::PoseStamped first = good();
+  EXPECT_EQ(probe_.send(first).code, CorrectionStatus::CORRECTED);
+  first.header.stamp -= ros::Duration(0.01);
+  expectRefused(first, CorrectionStatus::REFUSED_TIME_BACKWARDS);
+}
+
+TEST_F(CorrectorFaults, UnknownFrameIsNotForwarded) {
+  expectRefused(probe_.message(kInside, "elsewhere"), CorrectionStatus::REFUSED_FRAME);
+  EXPECT_LT(probe_.send(probe_.message(kInside, "/0_link")).code, 16);  // the same frame
+}
+
+TEST_F(CorrectorFaults, EmptyFrameIsNotForwardedUnlessAllowed) {
+  expectRefused(probe_.message(kInside, ""), CorrectionStatus::REFUSED_FRAME);
+}
+
+TEST_F(CorrectorFaults, FirstMessageOfALatchedPublisherIsNotForwarded) {
+  probe_.publisher.shutdown();
+  probe_.publisher =
+      probe_.nh.advertise<geometry_msgs::PoseStamped>("desired/servo_cp", 10, /*latch=*/true);
+  ASSERT_TRUE(probe_.until([&] { return probe_.publisher.getNumSubscribers() == 1; }));
+  const std::size_t before = probe_.commands.size();
+  EXPECT_EQ(probe_.send(good()).code, CorrectionStatus::REFUSED_LATCHED);
+  EXPECT_EQ(probe_.commands.size(), before);
+  EXPECT_LT(probe_.send(good()).code, 16);
+}
+
+// --- the stream ----------------------------------------------------------------------------------
+
+TEST_F(CorrectorFaults, BurstOf10KilohertzKeepsOrderAndStepLimit) {
+  probe_.statuses.clear();
+  probe_.commands.clear();
+  const ros::SteadyTime start = ros::SteadyTime::now();
+  ros::Time last;
+  for (int i = 0; i < 10000; ++i) {
+    const double t = 1e-4 * i;
+    probe_.publisher.publish(probe_.message(along(t)));
+    if (i % 10 != 0) continue;
+    ros::spinOnce();
+    ros::SteadyTime::sleepUntil(start + ros::WallDuration(t));
+  }
+  // What came too fast is skipped, the newest always gets through.
+  const geometry_msgs::PoseStamped newest = probe_.message(along(1.0));
+  probe_.publisher.publish(newest);
+  EXPECT_TRUE(probe_.until([&] {
+    return !probe_.commands.empty() && probe_.commands.back().header.stamp == newest.header.stamp;
+  }));
+  EXPECT_GT(probe_.commands.size(), 100u);
+  for (std::size_t i = 1; i < probe_.commands.size(); ++i)
+    EXPECT_GT(probe_.commands[i].header.stamp, probe_.commands[i - 1].header.stamp);
+  expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
+}
+
+TEST_F(CorrectorFaults, SilenceOfThePlannerIsSilence) {
+  probe_.commands.clear();
+  probe_.statuses.clear();
+  // Three reports, one a second, of a planner that says nothing.
+  for (int i = 0; i < 3; ++i)
+    EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+      return status.message.find("the planner is silent") != std::string::npos;
+    }));
+  EXPECT_TRUE(probe_.commands.empty());
+  EXPECT_TRUE(probe_.statuses.empty());
+}
+
+TEST_F(CorrectorFaults, SecondPublisherOnTheOutputEndsCorrection) {
+  {
+    ros::Publisher second = probe_.nh.advertise<geometry_msgs::PoseStamped>("servo_cp", 1);
+    EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+      return status.code == CorrectionStatus::PASSED_OTHER_PUBLISHER;
+    }));
+    EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+      return status.level == diagnostic_msgs::DiagnosticStatus::ERROR;
+    }));
+    EXPECT_EQ(probe_.statuses.back().command, probe_.statuses.back().desired);
+  }
+  EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
+}
+
+// --- models and modes ----------------------------------------------------------------------------
+
+TEST_F(CorrectorFaults, ModelsAndModesSwappedUnderLoadNeverStepOverTheLimit) {
+  Correction other = model();
+  other.id = "other";
+  other.rigid.p.x() -= 0.03;
+  other.rigid.q = (other.rigid.q * expRotation({0.0, 0.3, 0.0})).normalized();
+  const CorrectionModel first = modelToMsg(model()), second = modelToMsg(other);
+  probe_.statuses.clear();
+  const char* const modes[] = {"rigid", "off", "full", "endpoint", "full"};
+  const ros::SteadyTime start = ros::SteadyTime::now();
+  for (int i = 0; i < 1500; ++i) {
+    if (i % 100 == 0) probe_.publishModel(i % 200 == 0 ? second : first);
+    if (i % 250 == 125) probe_.setMode(modes[i / 250 % 5]);
+    probe_.publisher.publish(probe_.message(along(2e-3 * i)));
+    ros::spinOnce();
+    ros::SteadyTime::sleepUntil(start + ros::WallDuration(2e-3 * i));
+  }
+  ASSERT_TRUE(probe_.until([&] { return probe_.statuses.size() > 1000; }));
+  std::set<std::string> used;
+  for (const CorrectionStatus& status : probe_.statuses) used.insert(status.model);
+  EXPECT_TRUE(used.count("simple") && used.count("other"));
+  expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
+}
+
+TEST_F(CorrectorFaults, CorruptModelIsRefused) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.groups[0].z.pop_back();
+  expectModelRefused(bad, "z has");
+  bad = modelToMsg(model());
+  bad.groups[0].alpha[3] = std::nan("");
+  expectModelRefused(bad, "finite");
+  bad = modelToMsg(model());
+  bad.rigid.position.x = HUGE_VAL;
+  expectModelRefused(bad, "rigid");
+  bad = modelToMsg(model());
+  bad.groups[0].kernel = "no such kernel";
+  expectModelRefused(bad, "no such kernel");
+}
+
+TEST_F(CorrectorFaults, ModelOfAnotherVersionIsRefused) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.format = CorrectionModel::FORMAT + 1;
+  expectModelRefused(bad, "format");
+}
+
+TEST_F(CorrectorFaults, ModelOfAnotherFrameIsRefused) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.header.frame_id = "1_link";
+  expectModelRefused(bad, "1_link");
+}
+
+TEST_F(CorrectorFaults, ModelInOtherUnitsIsRefused) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.units = "um deg";
+  expectModelRefused(bad, "um deg");
+}
+
+TEST_F(CorrectorFaults, ModelOfAnotherMessageTypeIsRefused) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.pose_type = "RavenCommand";
+  expectModelRefused(bad, "RavenCommand");
+}
+
+TEST_F(CorrectorFaults, ExpiredModelIsRefused) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.expires = ros::Time(2000.0);
+  expectModelRefused(bad, "expired");
+}
+
+TEST_F(CorrectorFaults, WrongModeIsRefused) {
+  SetMode call;
+  call.request.mode = "sideways";
+  ASSERT_TRUE(ros::service::call("plain/corrector/set_mode", call));
+  EXPECT_FALSE(call.response.success);
+  EXPECT_EQ(call.response.previous, "full");
+  EXPECT_EQ(probe_.send(kInside).code, CorrectionStatus::CORRECTED);
+}
+
+TEST_F(CorrectorFaults, GainAndLimitsChangeLiveWithinTheStepLimit) {
+  const auto set = [](const std::string& name, double value) {
+    dynamic_reconfigure::Reconfigure call;
+    call.request.config.doubles.resize(1);
+    call.request.config.doubles[0].name = name;
+    call.request.config.doubles[0].value = value;
+    ASSERT_TRUE(ros::service::call("plain/corrector/set_parameters", call));
+  };
+  const auto length = [](const CorrectionStatus& status) {
+    return (poseFromMsg(status.command).p - poseFromMsg(status.desired).p).norm();
+  };
+  probe_.statuses.clear();
+  const double full = length(probe_.send(kInside));
+  ASSERT_GT(full, 0.01);
+  set("gain", 0.5);
+  EXPECT_TRUE(probe_.sendUntil(kInside, [&](const CorrectionStatus& status) {
+    return std::abs(length(status) - 0.5 * full) < 1e-4;
+  }));
+  set("gain", 0.0);
+  EXPECT_TRUE(probe_.sendUntil(
+      kInside, [&](const CorrectionStatus& status) { return status.command == status.desired; }));
+  set("gain", 1.0);
+  set("max_translation", 0.004);
+  EXPECT_TRUE(probe_.sendUntil(kInside, [&](const CorrectionStatus& status) {
+    return std::abs(length(status) - 0.004) < 1e-9 &&
+           status.code == CorrectionStatus::CORRECTED_LIMITED &&
+           status.limits == CorrectionStatus::LIMIT_SIZE;
+  }));
+  set("max_translation", 0.06);
+  EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
+}
+
+TEST_F(CorrectorFaults, DiagnosticsSayRateLatencyAndModel) {
+  EXPECT_TRUE(probe_.until([&] {
+    probe_.send(kInside);
+    for (const auto& status : probe_.diagnostics) {
+      std::map<std::string, std::string> values;
+      for (const auto& value : status.values) values[value.key] = value.value;
+      if (values["model"] == "simple" && std::atof(values["input rate [1/s]"].c_str()) > 1.0 &&
+          values["latency p50, p99, p99.9, max [us]"].size() > 10 &&
+          std::atof(values["model age [h]"].c_str()) > 1.0 && values.count("share limited") &&
+          values["furthest from the trained region [m]"] == "0.0000")
+        return true;
+    }
+    return false;
+  }));
+  const Pose far{{0.08, 0.01, -0.01}, kInside.q};  // 3 cm outside of the box
+  probe_.send(far);
+  EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+    for (const auto& value : status.values)
+      if (value.key == "furthest from the trained region [m]") return value.value == "0.0300";
+    return false;
+  }));
+}
+
+// --- the Raven's CRTK branch: empty frames, its own limits, its state ----------------------------
+
+struct OperatingStateType {
+  static const char* datatype() { return "crtk_msgs/operating_state"; }
+  static const char* md5sum() { return "b1bd4021639d9d9c5fbfff78d6ff3158"; }
+  static const char* definition() { return ""; }
+};
+
+RawMessage<OperatingStateType> operatingState(const std::string& state, bool homed) {
+  RawMessage<OperatingStateType> message;
+  const auto put = [&](std::uint32_t value) {
+    for (int i = 0; i < 4; ++i)
+      message.bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i) & 0xff));
+  };
+  put(1);  // seq
+  put(2);  // stamp
+  put(3);
+  put(0);  // frame_id
+  put(static_cast<std::uint32_t>(state.size()));
+  message.bytes.insert(message.bytes.end(), state.begin(), state.end());
+  message.bytes.push_back(homed);
+  message.bytes.push_back(0);
+  return message;
+}
+
+const Pose kInBox{{0.01, 0.01, -0.03}, kInside.q};
+const std::optional<Pose> kAtCommand;
+
+class CrtkCorrectorFaults : public ::testing::Test {
+ protected:
+  using Probe = CorrectorProbe<geometry_msgs::TransformStamped>;
+
+  void SetUp() override {
+    measured_ = probe_.nh.advertise<geometry_msgs::TransformStamped>("measured_cp", 1);
+    state_ = probe_.nh.advertise<RawMessage<OperatingStateType>>("operating_state", 1);
+    probe_.publishModel(model());
+    ASSERT_TRUE(probe_.until(
+        [&] { return measured_.getNumSubscribers() == 1 && state_.getNumSubscribers() == 1; }));
+  }
+  /// Sends a pose with the robot in a state and its tool at a place (where it was sent, if none is
+  /// given), until the condition holds.
+  template <typename Condition>
+  bool sendUntil(const Pose& pose, const std::string& state, bool homed,
+                 const std::optional<Pose>& tool, Condition condition) {
+    return probe_.until([&] {
+      state_.publish(operatingState(state, homed));
+      const Pose sent =
+          probe_.statuses.empty() ? pose : poseFromMsg(probe_.statuses.back().command);
+      measured_.publish(probe_.message(tool.value_or(sent), ""));
+      return condition(probe_.send(probe_.message(pose, "")));
+    });
+  }
+
+  Probe probe_{"crtk"};
+  ros::Publisher measured_, state_;
+};
+
+TEST_F(CrtkCorrectorFaults, EmptyFrameIsTakenAndStaysEmpty) {
+  probe_.commands.clear();
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, [](const CorrectionStatus& status) {
+    return status.code <= CorrectionStatus::CORRECTED_LIMITED;
+  }));
+  ASSERT_TRUE(probe_.until([&] { return !probe_.commands.empty(); }));
+  EXPECT_EQ(probe_.commands.back().header.frame_id, "");
+  EXPECT_EQ(probe_.commands.back().child_frame_id, "");
+  probe_.expectRefused(probe_.message(kInBox, "elsewhere"), CorrectionStatus::REFUSED_FRAME, kInBox,
+                       "");
+}
+
+TEST_F(CrtkCorrectorFaults, NothingIsCorrectedUnlessTheRobotIsEnabledAndHomed) {
+  const auto corrected = [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  };
+  const auto passed = [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::PASSED_ROBOT_NOT_READY &&
+           status.command == status.desired;
+  };
+  probe_.statuses.clear();
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
+  EXPECT_TRUE(sendUntil(kInBox, "DISABLED", true, kAtCommand, passed));
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", false, kAtCommand, passed));
+  EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+    return status.message.find("not enabled and homed") != std::string::npos;
+  }));
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
+  // A robot that says nothing any more is not known to be ready.
+  EXPECT_TRUE(probe_.until([&] { return passed(probe_.send(probe_.message(kInBox, ""))); }));
+  expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
+}
+
+TEST_F(CrtkCorrectorFaults, CorrectionIsReducedToTheStepTheRobotTakes) {
+  // The tool is 10 mm behind the planner, the correction adds about as much in the same direction.
+  Pose tool = kInBox;
+  ASSERT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  const Pose command = poseFromMsg(probe_.statuses.back().command);
+  const Eigen::Vector3d direction = (command.p - kInBox.p).normalized();
+  tool.p = kInBox.p - 0.010 * direction;
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, tool, [&](const CorrectionStatus& status) {
+    return std::abs((poseFromMsg(status.command).p - tool.p).norm() - 0.015) < 1e-6 &&
+           status.code == CorrectionStatus::CORRECTED_LIMITED &&
+           (status.limits & CorrectionStatus::LIMIT_ROBOT_STEP) != 0;
+  }));
+  // Further than the robot takes by itself: the planner's own pose, and it is said.
+  tool.p = kInBox.p - 0.020 * direction;
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, tool, [&](const CorrectionStatus& status) {
+    return (poseFromMsg(status.command).p - tool.p).norm() < 0.020 + 1e-9 &&
+           (status.limits & CorrectionStatus::PLANNER_BEYOND) != 0;
+  }));
+}
+
+TEST_F(CrtkCorrectorFaults, CorrectionIsReducedToTheTurnTheRobotTakes) {
+  Pose tool = kInBox;
+  ASSERT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  const Pose command = poseFromMsg(probe_.statuses.back().command);
+  const Eigen::Vector3d turn = logRotation(kInBox.q.conjugate() * command.q);
+  ASSERT_GT(turn.norm(), 0.05);
+  tool.q = (kInBox.q * expRotation(-0.48 * turn.normalized())).normalized();
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, tool, [&](const CorrectionStatus& status) {
+    return std::abs(rotationAngle(poseFromMsg(status.command).q, tool.q) - 0.5) < 1e-6 &&
+           (status.limits & CorrectionStatus::LIMIT_ROBOT_STEP) != 0;
+  }));
+}
+
+TEST_F(CrtkCorrectorFaults, CorrectionDoesNotLeaveTheBox) {
+  const Pose border{{0.01, 0.01, -0.0155}, kInBox.q};  // the box ends at z = -0.015
+  EXPECT_TRUE(sendUntil(border, "ENABLED", true, border, [&](const CorrectionStatus& status) {
+    return std::abs(status.command.position.z + 0.015) < 1e-9 &&
+           (status.limits & CorrectionStatus::LIMIT_BOX) != 0;
+  }));
+}
+
+// --- a corrector that knows which arm and tool it serves -----------------------------------------
+
+TEST(PickyCorrectorFaults, ModelOfAnotherArmOrToolIsRefused) {
+  CorrectorProbe<geometry_msgs::PoseStamped> probe("picky");
+  const auto refused = [&](const std::string& reason) {
+    return probe.diagnosed([&](const auto& status) {
+      return status.message.find("a model was refused") != std::string::npos &&
+             status.message.find(reason) != std::string::npos;
+    });
+  };
+  Correction mine = model();
+  probe.publishModel(mine);
+  EXPECT_TRUE(refused("does not say for which arm"));
+  mine.arm = "raven2_right";
+  mine.tool = "grasper_8mm";
+  probe.publishModel(mine);
+  EXPECT_TRUE(refused("raven2_right"));
+  mine.arm = "raven2_left";
+  mine.tool = "needle_driver";
+  probe.publishModel(mine);
+  EXPECT_TRUE(refused("needle_driver"));
+  EXPECT_EQ(probe.send(kInside).code, CorrectionStatus::PASSED_NO_MODEL);
+  mine.tool = "grasper_8mm";
+  probe.publishModel(mine);
+  EXPECT_TRUE(probe.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+}
+
+}  // namespace
+}  // namespace raven_correction
+
+int main(int argc, char** argv) {
+  return raven_correction::runNodeTests(argc, argv, "test_corrector_faults");
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The corrector as a nodelet in the process of planner and controller: does it correct, and does it
+// hand on what it does not change without a copy?
+#include <geometry_msgs/PoseStamped.h>
+#include <gtest/gtest.h>
+#include <nodelet/loader.h>
+
+#include <boost/make_shared.hpp>
+
+#include "support/corrector_probe.h"
+#include "support/node_main.h"
+#include "support/simple_model.h"
+
+namespace raven_correction {
+namespace {
+
+const Pose kInside{{0.01, 0.01, -0.01}, expRotation({0.02, 0.0, 0.01})};
+
+TEST(CorrectorNodelet, CorrectsAndHandsOnWithoutACopy) {
+  nodelet::Loader loader(/*provide_ros_api=*/false);
+  ASSERT_TRUE(loader.load("/arm/corrector", "raven_correction/corrector", {}, {}));
+  CorrectorProbe<geometry_msgs::PoseStamped> probe("arm");
+  std::vector<geometry_msgs::PoseStamped::ConstPtr> received;
+  ros::NodeHandle nh("arm");
+  const ros::Subscriber subscriber = nh.subscribe<geometry_msgs::PoseStamped>(
+      "servo_cp", 10, [&](const auto& message) { received.push_back(message); });
+  ASSERT_TRUE(probe.until([&] { return subscriber.getNumPublishers() == 1; }));
+
+  const auto send = [&] {
+    const auto message = boost::make_shared<geometry_msgs::PoseStamped>(probe.message(kInside));
+    received.clear();
+    probe.publisher.publish(message);
+    EXPECT_TRUE(probe.until([&] { return !received.empty(); }));
+    return message;
+  };
+  const auto unchanged = send();
+  ASSERT_FALSE(received.empty());
+  EXPECT_EQ(received.front().get(), unchanged.get());  // the very message
+
+  probe.publishModel(simpleModel());
+  probe.setMode("full");
+  EXPECT_TRUE(probe.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  const auto sent = send();
+  ASSERT_FALSE(received.empty());
+  EXPECT_NE(received.front().get(), sent.get());
+  EXPECT_EQ(received.front()->header.stamp, sent->header.stamp);
+  EXPECT_GT((poseFromMsg(received.front()->pose).p - kInside.p).norm(), 0.005);
+  EXPECT_TRUE(loader.unload("/arm/corrector"));
+}
+
+}  // namespace
+}  // namespace raven_correction
+
+int main(int argc, char** argv) {
+  return raven_correction::runNodeTests(argc, argv, "test_corrector_nodelet");
+}

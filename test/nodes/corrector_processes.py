@@ -1,0 +1,271 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Faults of doc/faults.md that are ends of processes: a corrector, a trainer and a master that are killed
+and started again, and model files that no corrector may start with. It has a master of its own."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import xmlrpc.client
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+NODES = Path(os.environ.get("RAVEN_BUILD", ROOT / "build")) / "devel/lib/raven_correction"
+LIMIT = 30.0  # for what takes less than a second on an idle machine [s]
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+PORT = free_port()
+os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{PORT}"
+os.environ["ROS_IP"] = "127.0.0.1"
+FOLDER = Path(tempfile.mkdtemp(prefix="raven_correction_processes_"))
+os.environ["ROS_LOG_DIR"] = str(FOLDER / "log")
+
+# These read the environment.
+import rosbag  # noqa: E402 pylint: disable=wrong-import-position
+import rospy  # noqa: E402 pylint: disable=wrong-import-position
+import rosunit  # noqa: E402 pylint: disable=wrong-import-position
+from geometry_msgs.msg import PoseStamped  # noqa: E402 pylint: disable=wrong-import-position
+
+from raven_correction.msg import CorrectionModel, CorrectionStatus  # noqa: E402 pylint: disable=wrong-import-position
+
+
+def until(condition, limit=LIMIT):
+    end = time.monotonic() + limit
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+def master_answers():
+    try:
+        return xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]).getPid("/test")[0] == 1
+    except OSError:
+        return False
+
+
+def start_master():
+    master = subprocess.Popen(["rosmaster", "--core", "-p", str(PORT)],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    assert until(master_answers), "the master does not start"
+    return master
+
+
+def kill(process, how=signal.SIGKILL):
+    process.send_signal(how)
+    process.wait(LIMIT)
+
+
+def rigid_model():
+    model = CorrectionModel()
+    model.header.frame_id = "0_link"
+    model.format = CorrectionModel.FORMAT
+    model.id, model.units = "rigid", "m rad"
+    model.rigid.position.x, model.rigid.orientation.w = 0.01, 1.0
+    model.mean_orientation.w = 1.0
+    model.velocity, model.velocity_window, model.max_gap = "none", 0.1, 0.15
+    for corner, value in ((model.workspace_min, -1.0), (model.workspace_max, 1.0)):
+        corner.x = corner.y = corner.z = value
+    model.workspace_margin, model.fade_start, model.fade_end = 0.05, 0.8, 0.95
+    return model
+
+
+def write_model(name, model):
+    path = FOLDER / name
+    with rosbag.Bag(str(path), "w") as bag:
+        bag.write("correction/model", model, rospy.Time(1))
+    return path
+
+
+class Planner:
+    """Streams a pose at 100 Hz from a thread and keeps what comes back."""
+
+    def __init__(self):
+        self.statuses, self.commands = [], []
+        self.publisher = rospy.Publisher("/arm/desired/servo_cp", PoseStamped, queue_size=10)
+        self.subscribers = [
+            rospy.Subscriber("/arm/correction/status", CorrectionStatus, self.statuses.append),
+            rospy.Subscriber("/arm/servo_cp", PoseStamped, self.commands.append)]
+        self.running = True
+        self.thread = threading.Thread(target=self.stream)
+        self.thread.start()
+
+    def stream(self):
+        message = PoseStamped()
+        message.header.frame_id = "0_link"
+        message.pose.orientation.w = 1.0
+        while self.running:
+            message.header.stamp = rospy.Time.now()
+            message.pose.position.y += 1e-5
+            self.publisher.publish(message)
+            time.sleep(0.01)
+
+    def stop(self):
+        self.running = False
+        self.thread.join()
+        self.publisher.unregister()
+        for subscriber in self.subscribers:
+            subscriber.unregister()
+
+    def corrects(self):
+        """Waits for a corrected pose that is answered after this call."""
+        before = len(self.statuses)
+        return until(lambda: any(status.code == CorrectionStatus.RIGID_ONLY
+                                 for status in self.statuses[before:]))
+
+    def largest_step(self):
+        """Of successive commands along the axis that the model corrects [m]."""
+        places = [command.pose.position.x for command in self.commands]
+        return max((abs(b - a) for a, b in zip(places, places[1:])), default=0.0)
+
+
+class CorrectorProcesses(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.master = start_master()
+        cls.environment = dict(os.environ)
+        rospy.init_node("corrector_processes", disable_signals=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        rospy.signal_shutdown("done")
+        kill(cls.master)
+        shutil.rmtree(FOLDER, ignore_errors=True)
+
+    def start(self, node, **parameters):
+        if rospy.has_param(f"/arm/{node}"):
+            rospy.delete_param(f"/arm/{node}")
+        for name, value in parameters.items():
+            rospy.set_param(f"/arm/{node}/{name}", value)
+        log = open(FOLDER / f"{node}.log", "w")  # pylint: disable=consider-using-with
+        self.addCleanup(log.close)
+        process = subprocess.Popen([str(NODES / node), "__ns:=/arm", f"__name:={node}"],
+                                   stdout=log, stderr=subprocess.STDOUT)
+        self.addCleanup(lambda: process.poll() is None and kill(process))
+        return process
+
+    def planner(self):
+        planner = Planner()
+        self.addCleanup(planner.stop)
+        return planner
+
+    def test_restart_in_the_middle_of_a_motion(self):
+        model = str(write_model("restart.bag", rigid_model()))
+        corrector = self.start("corrector", enabled=True, model=model)
+        planner = self.planner()
+        self.assertTrue(planner.corrects())
+        kill(corrector)
+        # Whoever is gone says nothing: no command is made up, none comes from a queue.
+        until(lambda: planner.publisher.get_num_connections() == 0)
+        commands = len(planner.commands)
+        self.start("corrector", enabled=True, model=model)
+        self.assertTrue(planner.corrects())
+        stamps = [command.header.stamp for command in planner.commands[commands:]]
+        self.assertEqual(stamps, sorted(set(stamps)))
+        # After a restart the correction comes in anew, at its limited rate.
+        after = [command.pose.position.x for command in planner.commands[commands:]]
+        self.assertLessEqual(max(abs(b - a) for a, b in zip(after, after[1:])), 0.15 * 0.1 + 1e-9)
+        # Without ~enabled a corrector that is started anew passes poses through.
+        self.start("corrector")
+        before = len(planner.statuses)
+        self.assertTrue(until(lambda: any(status.code == CorrectionStatus.PASSED_OFF
+                                          for status in planner.statuses[before:])))
+
+    def test_trainer_killed(self):
+        model = str(write_model("trainer.bag", rigid_model()))
+        trainer = self.start("trainer", model=model, data_directory=str(FOLDER),
+                             model_directory=str(FOLDER))
+        corrector = self.start("corrector", enabled=True)
+        planner = self.planner()
+        self.assertTrue(planner.corrects())
+        first = len(planner.statuses)
+        kill(trainer)
+        self.assertTrue(until(lambda: len(planner.statuses) > first + 300))
+        # Every pose goes on being corrected by the same model.
+        self.assertEqual({(status.code, status.model) for status in planner.statuses[first:]},
+                         {(CorrectionStatus.RIGID_ONLY, "rigid")})
+        # A trainer that comes back is heard.
+        changed = rigid_model()
+        changed.id = "after"
+        self.start("trainer", model=str(write_model("after.bag", changed)), data_directory=str(FOLDER),
+                   model_directory=str(FOLDER))
+        self.assertTrue(until(lambda: planner.statuses[-1].model == "after"))
+        self.assertIsNone(corrector.poll())
+
+    def test_master_restarted(self):
+        corrector = self.start("corrector", enabled=True,
+                               model=str(write_model("master.bag", rigid_model())))
+        planner = self.planner()
+        self.assertTrue(planner.corrects())
+        kill(type(self).master)
+        first = len(planner.statuses)
+        self.assertTrue(until(lambda: len(planner.statuses) > first + 200))
+        type(self).master = start_master()
+        # The corrector tells the new master of itself, so that others find its topics and services.
+        proxy = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
+
+        def known():
+            publishers, subscribers, services = proxy.getSystemState("/test")[2]
+            return all("/arm/corrector" in dict(kind).get(name, []) for kind, name in (
+                (publishers, "/arm/servo_cp"), (publishers, "/arm/correction/status"),
+                (subscribers, "/arm/desired/servo_cp"), (subscribers, "/arm/correction/model"),
+                (services, "/arm/corrector/enable"), (services, "/arm/corrector/set_mode")))
+
+        self.assertTrue(until(known))
+        answer = subprocess.run(["rosservice", "call", "/arm/corrector/enable", "data: true"],
+                                capture_output=True, text=True, check=False, timeout=60)
+        self.assertIn("success: True", answer.stdout, answer.stderr)
+        self.assertEqual({status.code for status in planner.statuses[first:]}, {CorrectionStatus.RIGID_ONLY})
+        self.assertLess(planner.largest_step(), 0.015 + 1e-9)
+        self.assertIsNone(corrector.poll())
+
+    def expect_no_start(self, path, *reasons):
+        corrector = self.start("corrector", model=str(path))
+        self.assertEqual(corrector.wait(LIMIT), 1)
+        said = (FOLDER / "corrector.log").read_text()
+        for reason in (str(path), *reasons):
+            self.assertIn(reason, said)
+
+    def test_missing_model_file(self):
+        self.expect_no_start(FOLDER / "nowhere.bag", "no such file")
+
+    def test_truncated_model_file(self):
+        path = write_model("cut.bag", rigid_model())
+        path.write_bytes(path.read_bytes()[:path.stat().st_size // 2])
+        self.expect_no_start(path, "not a complete bag")
+        path.write_bytes(b"")
+        self.expect_no_start(path, "not a complete bag")
+        path.write_bytes(os.urandom(5000))
+        self.expect_no_start(path, "not a complete bag")
+
+    def test_model_file_of_another_version(self):
+        model = rigid_model()
+        model.format += 1
+        path = write_model("version.bag", model)
+        corrector = self.start("corrector", model=str(path))
+        self.assertEqual(corrector.wait(LIMIT), 1)
+        self.assertIn("has format", (FOLDER / "corrector.log").read_text())
+
+    def test_recording_instead_of_a_model_file(self):
+        path = FOLDER / "recording.bag"
+        with rosbag.Bag(str(path), "w") as bag:
+            bag.write("servo_cp", PoseStamped(), rospy.Time(1))
+        self.expect_no_start(path, "is it a recording?")
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("raven_correction", "corrector_processes", CorrectorProcesses, sys.argv)

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages of raven_2_msgs as bytes, made for tests of what reads them, and by no code of ours.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace raven_correction {
+
+/// ROS 1 serialisation, written down anew.
+class Bytes {
+ public:
+  template <typename Number>
+  Bytes& put(Number value) {
+    const auto* const at = reinterpret_cast<const std::uint8_t*>(&value);
+    bytes_.insert(bytes_.end(), at, at + sizeof value);
+    return *this;
+  }
+  Bytes& put(const std::string& text) {
+    put(static_cast<std::uint32_t>(text.size()));
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+    return *this;
+  }
+  Bytes& header(const std::string& frame) {
+    return put(std::uint32_t{7}).put(std::uint32_t{100}).put(std::uint32_t{500000000}).put(frame);
+  }
+  const std::vector<std::uint8_t>& get() const { return bytes_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+/// A raven_2_msgs/RavenCommand.
+inline std::vector<std::uint8_t> command(const std::vector<std::string>& names,
+                                         std::uint8_t option = 5, bool active = true,
+                                         bool pedal_down = true) {
+  Bytes bytes;
+  bytes.header("0_link").put(std::string("planner")).put<std::uint8_t>(pedal_down);
+  bytes.put<std::uint8_t>(1).put(static_cast<std::uint32_t>(names.size()));
+  for (const std::string& name : names) bytes.put(name);
+  bytes.put(static_cast<std::uint32_t>(names.size()));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    bytes.put<std::uint8_t>(active).put(option);
+    for (const double value : {0.1, 0.2, 0.3, 0.5, 0.5, 0.5, -0.5})
+      bytes.put(value + 10.0 * static_cast<double>(i));
+    bytes.put<std::uint8_t>(1).put(0.25f);
+    bytes.put<std::uint32_t>(2).put<std::uint16_t>(4).put<std::uint16_t>(5);
+    bytes.put<std::uint32_t>(1).put<std::uint8_t>(1).put(0.75f);
+  }
+  return bytes.get();
+}
+
+}  // namespace raven_correction
