@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // offline diagnose: what the simulation gets wrong about a recording, and why.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <fstream>
 #include <memory>
 
-#include "raven_correction/error.h"
+#include "raven_correction/correction/training.h"
 #include "raven_correction/report/diagnosis_html.h"
 #include "raven_correction/report/diagnosis_report.h"
 #include "raven_correction/ros/command_record.h"
+#include "raven_correction/ros/diagnosis_job.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 
@@ -16,49 +16,25 @@ namespace raven_correction {
 namespace {
 
 struct Arguments {
-  std::vector<std::string> inputs, prismatic;
-  std::string simulation, output, json, report, from = "commands";
-  bool ignore_encoders = false;
-  DiagnosisOptions options;
+  std::vector<std::string> inputs;
+  std::string simulation, output, json, report, hold_out;
+  DiagnosisJob job;
 };
-
-/// Which joints of a joint recording are in metres: as the data set or the user says.
-std::vector<bool> prismaticJoints(const Dataset& dataset, const std::vector<std::string>& named) {
-  std::vector<std::string> names;
-  for (const Trajectory& trajectory : dataset.trajectories)
-    if (names.empty()) names = trajectory.joint_commands.names;
-  for (const std::string& name : named)
-    if (std::find(names.begin(), names.end(), name) == names.end())
-      throw InvalidInput(format("--prismatic %s: the recording has no such joint", name.c_str()));
-  std::vector<bool> prismatic;
-  for (const std::string& name : names) {
-    const auto unit = dataset.joint_units.find(name);
-    prismatic.push_back((unit != dataset.joint_units.end() && unit->second == "m") ||
-                        std::find(named.begin(), named.end(), name) != named.end());
-  }
-  return prismatic;
-}
 
 void diagnoseInput(const Arguments& arguments) {
   checkOutputFile(arguments.output, false);
   checkOutputFile(arguments.json, true);
   checkOutputFile(arguments.report, true);
-  const Dataset dataset = readInputs(arguments.inputs);
+  Dataset dataset = readInputs(arguments.inputs);
+  if (!arguments.hold_out.empty())
+    dataset = selectFold(dataset, parseHoldOut(arguments.hold_out), false);
   const std::string simulation_file = arguments.simulation.empty()
                                           ? packageFile("config/simulation/nominal.yaml")
                                           : arguments.simulation;
   const SimulationConfig simulation = loadSimulationConfig(simulation_file);
-  if (isJointData(dataset) && !arguments.output.empty())
-    throw InvalidInput(format("-o %s: joint data has no robot to simulate; leave -o out",
-                              arguments.output.c_str()));
-  if (isJointData(dataset) && arguments.from == "encoders")
-    throw InvalidInput("--from encoders: joint data has commands and observations only");
-  DiagnosisOptions options = arguments.options;
-  options.recording.source =
-      arguments.from == "encoders" ? DriveSource::kEncoders : DriveSource::kCommands;
-  options.recording.use_encoders = !arguments.ignore_encoders;
-  Verdict verdict = diagnose(dataset, simulation, prismaticJoints(dataset, arguments.prismatic),
-                             options, showProgress);
+  DiagnosisJob job = arguments.job;
+  job.output = arguments.output;
+  const Verdict verdict = runDiagnosis(dataset, simulation, job, showProgress);
   showProgress("done", 1.0);
   std::fputs(diagnosisText(verdict).c_str(), stdout);
   if (!arguments.json.empty()) writeTextFile(arguments.json, diagnosisJson(verdict));
@@ -68,18 +44,17 @@ void diagnoseInput(const Arguments& arguments) {
         {"simulation", arguments.simulation.empty()
                            ? "config/simulation/nominal.yaml of the package"
                            : arguments.simulation},
-        {"driven by", arguments.from},
-        {"at most so many samples", options.recording.max_samples == 0
+        {"driven by", arguments.job.from},
+        {"left out", arguments.hold_out.empty() ? "nothing" : "fold " + arguments.hold_out},
+        {"at most so many samples", job.options.recording.max_samples == 0
                                         ? "all"
-                                        : std::to_string(options.recording.max_samples)}};
+                                        : std::to_string(job.options.recording.max_samples)}};
     std::ifstream file(simulation_file);
     run.configuration.assign(std::istreambuf_iterator<char>(file), {});
     writeTextFile(arguments.report,
                   diagnosisHtml(verdict, streamHealth(dataset), arguments.output, run));
   }
   if (arguments.output.empty()) return;
-  verdict.simulation.name = simulation.name + "_extended";
-  verdict.simulation.description = "extended by what the diagnosis of " + dataset.name + " found";
   saveSimulationConfig(verdict.simulation, arguments.output);
   std::printf("wrote %s\n", arguments.output.c_str());
 }
@@ -100,23 +75,26 @@ void addDiagnoseCommand(CLI::App& app) {
   command->add_option("--report", arguments->report,
                       "write the verdict as a page with figures (HTML, one file)");
   command
-      ->add_option("--from", arguments->from,
+      ->add_option("--from", arguments->job.from,
                    "what drives the simulation: commands, or encoders (then only what lies behind "
                    "the motors is diagnosed)")
       ->check(CLI::IsMember({"commands", "encoders"}));
-  command->add_flag("--ignore-encoders", arguments->ignore_encoders,
+  command->add_flag("--ignore-encoders", arguments->job.ignore_encoders,
                     "encoder streams are no observations");
-  command->add_option("--prismatic", arguments->prismatic,
+  command->add_option("--prismatic", arguments->job.prismatic,
                       "joint data: joints in metres, where dataset.yaml does not say so");
-  command->add_option("--folds", arguments->options.selection.folds, "of the held-out motions")
+  command->add_option("--folds", arguments->job.options.selection.folds, "of the held-out motions")
       ->check(CLI::Range(2, 100));
-  command->add_option("--max-causes", arguments->options.selection.max_causes, "at most so many")
+  command
+      ->add_option("--max-causes", arguments->job.options.selection.max_causes, "at most so many")
       ->check(CLI::Range(0, 1000));
   command
-      ->add_option("--max-samples", arguments->options.recording.max_samples,
+      ->add_option("--max-samples", arguments->job.options.recording.max_samples,
                    "observations used, evenly spread; 0: all")
       ->check(CLI::Range(0, 100000000));
-  command->add_option("--seed", arguments->options.selection.seed, "of the bootstrap");
+  command->add_option("--hold-out", arguments->hold_out,
+                      "K/N: leave out trajectory i where i % N == K (zero-based, by start time)");
+  command->add_option("--seed", arguments->job.options.selection.seed, "of the bootstrap");
   command->callback([arguments] { diagnoseInput(*arguments); });
 }
 

@@ -294,6 +294,27 @@ Dataset readInput(const std::string& path) {
   return readSessionBag(path).dataset;
 }
 
+std::vector<std::string> inputsNamed(const std::vector<std::string>& names,
+                                     const std::string& directory) {
+  std::vector<std::string> inputs;
+  for (const std::string& name : names) {
+    const std::string path = expandHome(name);
+    inputs.push_back(fs::path(path).is_relative() && !fs::exists(path)
+                         ? (fs::path(directory) / path).string()
+                         : path);
+  }
+  if (!inputs.empty()) return inputs;
+  if (fs::is_directory(directory))
+    for (const auto& entry : fs::directory_iterator(directory))
+      if (entry.path().extension() == ".bag" && holdsSession(entry.path().string()))
+        inputs.push_back(entry.path().string());
+  if (inputs.empty())
+    throw InvalidInput(format("no bag in %s; record a session first, or name the bags in the call",
+                              directory.c_str()));
+  std::sort(inputs.begin(), inputs.end());
+  return inputs;
+}
+
 Dataset readInputs(const std::vector<std::string>& paths) {
   if (paths.empty()) throw InvalidInput("no input; give bags or data set directories");
   const std::vector<std::vector<std::string>> groups = groupParts(paths);

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/trainer_node.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
-#include <thread>
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/model_file.h"
@@ -53,12 +51,13 @@ TrainerParams loadTrainerParams(const ros::NodeHandle& nh) {
 }
 
 TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
-    : nh_(nh), private_nh_(private_nh), params_(loadTrainerParams(private_nh)) {
+    : nh_(nh),
+      private_nh_(private_nh),
+      params_(loadTrainerParams(private_nh)),
+      work_(private_nh_, "a training", "~retrain") {
   loadTrainingConfig(params_.configuration);  // a mistake in it is better found now than later
   model_publisher_ = nh_.advertise<CorrectionModel>(topics::kModel, 1, true);
-  progress_publisher_ = private_nh_.advertise<WorkProgress>("progress", 10, true);
   report_publisher_ = private_nh_.advertise<TrainingReport>("report", 1, true);
-  publishProgress(WorkProgress::IDLE, "", 0.0, "waiting for ~retrain");
   if (!params_.model.empty()) goLive(readModelFile(params_.model));
   retrain_service_ = private_nh_.advertiseService("retrain", &TrainerNode::onRetrain, this);
   rollback_service_ = private_nh_.advertiseService("rollback", &TrainerNode::onRollback, this);
@@ -66,22 +65,6 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
   save_service_ = private_nh_.advertiseService("save", &TrainerNode::onSave, this);
   ROS_INFO("trainer: model on %s, retrain with %s", model_publisher_.getTopic().c_str(),
            retrain_service_.getService().c_str());
-}
-
-void TrainerNode::publishProgress(std::uint8_t state, const std::string& phase, double fraction,
-                                  const std::string& message) {
-  WorkProgress progress;
-  progress.header.stamp = ros::Time::now();
-  progress.state = state;
-  progress.phase = phase;
-  progress.fraction = fraction;
-  progress.message = message;
-  progress.time_left = -1.0;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const double elapsed = (ros::SteadyTime::now() - started_).toSec();
-  if (state == WorkProgress::RUNNING && fraction > 0.05)
-    progress.time_left = elapsed * (1.0 - fraction) / fraction;
-  progress_publisher_.publish(progress);
 }
 
 void TrainerNode::goLive(const Correction& model) {
@@ -101,26 +84,6 @@ void TrainerNode::identify(Correction& model) const {
   model.tool = params_.tool;
   model.pose_type = params_.pose_type;
   if (params_.valid_hours > 0.0) model.expires_at = model.trained_at + 3600.0 * params_.valid_hours;
-}
-
-std::vector<std::string> TrainerNode::inputsOf(const Retrain::Request& request) const {
-  std::vector<std::string> inputs;
-  for (const std::string& bag : request.bags) {
-    const std::string path = expandHome(bag);
-    inputs.push_back(fs::path(path).is_relative() && !fs::exists(path)
-                         ? (fs::path(params_.data_directory) / path).string()
-                         : path);
-  }
-  if (!inputs.empty()) return inputs;
-  if (fs::is_directory(params_.data_directory))
-    for (const auto& entry : fs::directory_iterator(params_.data_directory))
-      if (entry.path().extension() == ".bag" && holdsSession(entry.path().string()))
-        inputs.push_back(entry.path().string());
-  if (inputs.empty())
-    throw InvalidInput(format("no bag in %s; record a session first, or name the bags in the call",
-                              params_.data_directory.c_str()));
-  std::sort(inputs.begin(), inputs.end());
-  return inputs;
 }
 
 void TrainerNode::publishReport(const ValidatedTraining& result,
@@ -156,12 +119,15 @@ void TrainerNode::publishReport(const ValidatedTraining& result,
 }
 
 void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& response) {
-  publishProgress(WorkProgress::RUNNING, "reading", 0.0, "");
-  const TrainingConfig config = loadTrainingConfig(
+  work_.report("reading", 0.0);
+  TrainingConfig config = loadTrainingConfig(
       request.configuration.empty() ? params_.configuration : expandHome(request.configuration));
+  if (!request.simulation.empty())
+    config.simulation = std::make_shared<const SimulationConfig>(
+        loadSimulationConfig(expandHome(request.simulation)));
   if (!request.dry_run && !request.output.empty())
     checkOutputFile(expandHome(request.output), false);  // now, not after the training
-  const Dataset dataset = readInputs(inputsOf(request));
+  const Dataset dataset = readInputs(inputsNamed(request.bags, params_.data_directory));
   Correction before;
   bool has_before = false;
   {
@@ -173,7 +139,7 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
   const ValidatedTraining result =
       trainAndValidate(dataset, config, has_before ? &before : nullptr, now,
                        [&](const std::string& phase, double fraction) {
-                         publishProgress(WorkProgress::RUNNING, phase, 0.05 + 0.9 * fraction, "");
+                         work_.report(phase, 0.05 + 0.9 * fraction);
                        });
   Correction model = result.training.model;
   identify(model);
@@ -194,7 +160,7 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
     response.success = true;
     response.message += "; dry run: nothing written, nothing live";
   } else {
-    publishProgress(WorkProgress::RUNNING, "saving", 0.97, "");
+    work_.report("saving", 0.97);
     const std::string file =
         request.output.empty() ? (fs::path(params_.model_directory) / (model.id + ".bag")).string()
                                : expandHome(request.output);
@@ -207,41 +173,26 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
     else
       response.message += "; not better, so the model in use stays (force: true overrides)";
   }
-  response.seconds = (ros::SteadyTime::now() - started_).toSec();
+  response.seconds = work_.seconds();
   publishReport(result, response);
 }
 
 bool TrainerNode::onRetrain(Retrain::Request& request, Retrain::Response& response) {
-  const std::unique_lock<std::mutex> training(training_mutex_, std::try_to_lock);
-  if (!training.owns_lock()) {
-    response.message = "a training is running; see ~progress and call again when it has ended";
-    return true;
-  }
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    started_ = ros::SteadyTime::now();
-  }
-  // A thread of its own, so that nothing the learning does (stack, thread pools) touches the
-  // spinner's; this call waits for it.
-  std::string failure;
-  std::thread worker([&] {
-    try {
-      retrain(request, response);
-    } catch (const std::exception& error) {
-      failure = error.what();
-    }
+  bool ran = false;
+  const LongWork::Result result = work_.run([&] {
+    ran = true;
+    retrain(request, response);
+    return response.message;
   });
-  worker.join();
-  if (!failure.empty()) {
-    response.success = false;
-    response.message = failure;
+  response.success = result.success;
+  response.message = result.message;
+  if (!ran) return true;
+  if (!result.success) {
     TrainingReport report;
     report.header.stamp = ros::Time::now();
-    report.message = failure;
+    report.message = result.message;
     report_publisher_.publish(report);
   }
-  publishProgress(response.success ? WorkProgress::SUCCEEDED : WorkProgress::FAILED, "", 1.0,
-                  response.message);
   ROS_INFO("trainer: %s", response.message.c_str());
   return true;
 }

@@ -37,6 +37,11 @@ bool holdsSession(const std::string& file);
 /// A bag, or a data set directory, whichever the path is.
 /// @throws InvalidInput  neither, or see readSessionBag() and readDatasetDirectory()
 Dataset readInput(const std::string& path);
+/// Inputs as a service call names them: those that are nowhere else are looked for in the
+/// directory; none stands for all bags of sessions there, by name.
+/// @throws InvalidInput  none was named, and there is none
+std::vector<std::string> inputsNamed(const std::vector<std::string>& names,
+                                     const std::string& directory);
 /// All inputs as one data set, sorted by start. Parts NAME_0.bag, NAME_1.bag, ... of a recording
 /// that was split are read as one session, in the order of their numbers. Trajectory names that
 /// occur twice get the name of their input in front.

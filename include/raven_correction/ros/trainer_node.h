@@ -7,7 +7,6 @@
 #include <raven_correction/Retrain.h>
 #include <raven_correction/SaveModel.h>
 #include <raven_correction/TrainingReport.h>
-#include <raven_correction/WorkProgress.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "raven_correction/evaluation/validated_training.h"
+#include "raven_correction/ros/long_work.h"
 #include "raven_correction/ros/params.h"
 
 namespace raven_correction {
@@ -47,23 +47,19 @@ class TrainerNode {
   bool onSave(SaveModel::Request& request, SaveModel::Response& response);
 
   void retrain(const Retrain::Request& request, Retrain::Response& response);
-  std::vector<std::string> inputsOf(const Retrain::Request& request) const;
   void goLive(const Correction& model);
   void identify(Correction& model) const;
-  void publishProgress(std::uint8_t state, const std::string& phase, double fraction,
-                       const std::string& message);
   void publishReport(const ValidatedTraining& result, const Retrain::Response& response);
 
   ros::NodeHandle nh_, private_nh_;
   TrainerParams params_;
-  std::mutex training_mutex_;  // held while a training runs
+  LongWork work_;
 
   // Guarded by mutex_.
   std::mutex mutex_;
   std::vector<Correction> live_;  // every model that went live, newest last
-  ros::SteadyTime started_;
 
-  ros::Publisher model_publisher_, progress_publisher_, report_publisher_;
+  ros::Publisher model_publisher_, report_publisher_;
   // Declared last: their callbacks use everything above.
   ros::ServiceServer retrain_service_, rollback_service_, load_service_, save_service_;
 };
