@@ -10,8 +10,7 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kLeastSpread = 2.5;  // z over motions that every claim needs, beside the corrected
-                                      // one over typical motions
+constexpr double kLeastSpread = 2.5;  // z over motions that a claim over typical motions needs, too
 constexpr double kFewMotions = 1.6;   // z over motions of a cause that shows in few: about 3
 constexpr double kLeastEvidence = 25.0;      // log likelihood ratio for it, in independent samples
 constexpr double kCorrelatedSamples = 20.0;  // so many of motion capture count as one

@@ -209,9 +209,12 @@ class Selector {
 
   /// Fits the best of the open hypotheses. What explains next to nothing does so in the next round,
   /// too, so not every round has to look at all.
-  std::vector<Finalist> tryHypotheses(bool all) {
-    const Screening screening = screen(problem_, fit_, openHypotheses(all), summary_);
-    if (result_.starts == 0) {
+  std::vector<Finalist> tryHypotheses(int round, bool all) {
+    const std::vector<Hypothesis> open = openHypotheses(all);
+    say(format("round %d: trying %zu hypotheses", round + 1, open.size()),
+        std::min(0.85, 0.1 + 0.08 * round));
+    const Screening screening = screen(problem_, fit_, open, summary_);
+    if (members_.empty() && all) {
       result_.starts = screening.starts;
       rule_.setTried(screening.starts, options_.significance);
     }
@@ -224,14 +227,12 @@ class Selector {
   }
 
   bool add(int round) {
-    say(format("round %d: trying %zu hypotheses", round + 1, hypotheses_.size()),
-        std::min(0.85, 0.1 + 0.08 * round));
     Member member;
     bool all = round % kRoundsOfAll == 0;
-    std::vector<Finalist> finalists = tryHypotheses(all);
+    std::vector<Finalist> finalists = tryHypotheses(round, all);
     const Finalist* choice = choose(finalists, member);
     if (!choice && !all) {
-      finalists = tryHypotheses(true);
+      finalists = tryHypotheses(round, true);
       choice = choose(finalists, member);
     }
     if (!choice) return false;
@@ -348,6 +349,7 @@ class Selector {
     const Member gone = members_[weakest];
     problem_ = without(gone);
     members_.erase(members_.begin() + static_cast<std::ptrdiff_t>(weakest));
+    dropped_.erase(dropped_.begin() + static_cast<std::ptrdiff_t>(weakest));
     for (Member& member : members_)
       if (member.first > gone.first) member.first -= gone.count;
     if (members_.empty()) {

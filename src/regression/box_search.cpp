@@ -7,7 +7,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <limits>
 #include <utility>
+#include <vector>
 
 #include "raven_correction/error.h"
 
@@ -18,7 +21,7 @@ constexpr double kDifference = 0.1;       // of a parameter, to see a gradient c
 constexpr double kLeastCurvature = 1e-4;  // of a direction in which nothing bends
 constexpr double kLongestStep = 1.0;      // of one parameter
 constexpr double kArmijo = 1e-4;          // share of the promised decrease that a step must keep
-constexpr double kDamping = 0.2;          // a step lowers the curvature to no less of what it was
+constexpr double kDamping = 0.2;          // share of the curvature along a step that stays at least
 constexpr int kMostShortenings = 10;
 
 // A step that does not decrease enough: the lowest point of the parabola through both values and
@@ -33,8 +36,48 @@ void update(Eigen::MatrixXd& H, const Eigen::VectorXd& s, Eigen::VectorXd y) {
   const double sHs = s.dot(Hs);
   const double sy = s.dot(y);
   if (!(sHs > 0.0)) return;
-  if (sy < kDamping * sHs) y += (1.0 - kDamping) * sHs / (sHs - sy) * (Hs - y);
+  if (sy < kDamping * sHs) y += (kDamping * sHs - sy) / (sHs - sy) * (Hs - y);  // s.y as wanted
   H += y * y.transpose() / s.dot(y) - Hs * Hs.transpose() / sHs;
+}
+
+struct Direction {
+  Eigen::VectorXd step;   // empty: the curvature gives none
+  Eigen::VectorXd slope;  // gradient, 0 for parameters that a bound holds
+};
+
+// The quasi-Newton step of the parameters that no bound holds: a bound holds those that the
+// gradient, or the step of the others through the curvature, would take out of the box.
+Direction directionInBox(const Eigen::VectorXd& x, const Eigen::VectorXd& gradient,
+                         const Eigen::MatrixXd& curvature, const Box& box) {
+  std::vector<bool> held(std::size_t(x.size()), false);
+  const auto leaves = [&](Eigen::Index i, double towards) {
+    return (x(i) <= box.lower(i) && towards < 0.0) || (x(i) >= box.upper(i) && towards > 0.0);
+  };
+  Direction direction;
+  direction.step = -gradient;
+  for (bool again = true; again;) {
+    again = false;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (held[std::size_t(i)] || !leaves(i, direction.step(i))) continue;
+      held[std::size_t(i)] = again = true;
+    }
+    if (!again && direction.slope.size() > 0) break;
+    Eigen::MatrixXd H = curvature;
+    direction.slope = gradient;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (!held[std::size_t(i)]) continue;
+      H.row(i).setZero();
+      H.col(i).setZero();
+      H(i, i) = 1.0;
+      direction.slope(i) = 0.0;
+    }
+    const Eigen::LLT<Eigen::MatrixXd> factor(H);
+    direction.step.resize(0);
+    if (factor.info() != Eigen::Success) return direction;
+    direction.step = -factor.solve(direction.slope);
+    again = true;
+  }
+  return direction;
 }
 
 }  // namespace
@@ -83,7 +126,7 @@ SearchEnd searchBox(Objective& objective, Eigen::VectorXd x, const Box& box,
       // model. A fresh start from the best point tells which.
       end.message = std::string("line search ended: ") + error.what();
       if (objective.best.size() == 0) return end;
-      end.converged = previous - objective.best_value < std::max(1e-6, limits.tolerance);
+      end.converged = previous - objective.best_value < limits.tolerance;
       if (end.converged) return end;
       previous = objective.best_value;
       x = objective.best;
@@ -113,36 +156,34 @@ SearchEnd refineInBox(Objective& objective, Eigen::VectorXd x, Eigen::MatrixXd c
   SearchEnd end;
   Eigen::VectorXd gradient;
   double value = objective(x, gradient);
+  if (objective.best.size() == 0) {
+    end.message = "the criterion has no value at the start";
+    return end;
+  }
   for (; end.iterations < limits.max_iterations; ++end.iterations) {
-    Eigen::MatrixXd H = curvature;
-    Eigen::VectorXd slope = gradient;
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      const bool held =
-          (x(i) <= box.lower(i) && slope(i) > 0.0) || (x(i) >= box.upper(i) && slope(i) < 0.0);
-      if (!held) continue;
-      H.row(i).setZero();
-      H.col(i).setZero();
-      H(i, i) = 1.0;
-      slope(i) = 0.0;
-    }
-    Eigen::VectorXd direction = -H.llt().solve(slope);
-    end.converged = -0.5 * direction.dot(slope) < limits.tolerance;
-    if (end.converged || !direction.allFinite()) {
-      end.message = end.converged ? "converged" : "the curvature is singular";
+    const Direction direction = directionInBox(x, gradient, curvature, box);
+    if (direction.step.size() == 0) {
+      end.message = "the curvature is not positive definite";
       return end;
     }
-    direction *= std::min(1.0, kLongestStep / direction.cwiseAbs().maxCoeff());
-    double step = 1.0, next_value = 0.0;
+    end.converged = -0.5 * direction.step.dot(direction.slope) < limits.tolerance;
+    if (end.converged) {
+      end.message = "converged";
+      return end;
+    }
+    double step = std::min(1.0, kLongestStep / direction.step.cwiseAbs().maxCoeff());
+    double next_value = 0.0;
     Eigen::VectorXd next, next_gradient;
     for (int shortenings = 0;; ++shortenings) {
-      next = (x + step * direction).cwiseMax(box.lower).cwiseMin(box.upper);
+      next = (x + step * direction.step).cwiseMax(box.lower).cwiseMin(box.upper);
       next_value = objective(next, next_gradient);
-      if (next_value <= value + kArmijo * slope.dot(next - x)) break;
+      const double promised = direction.slope.dot(next - x);
+      if (promised < 0.0 && next_value <= value + kArmijo * promised) break;
       if (shortenings == kMostShortenings) {
         end.message = "line search ended: no decrease along the quasi-Newton direction";
         return end;
       }
-      step = shorter(step, direction.dot(slope), next_value - value);
+      step = shorter(step, direction.step.dot(direction.slope), next_value - value);
     }
     update(curvature, next - x, next_gradient - gradient);
     x = std::move(next);

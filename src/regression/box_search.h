@@ -34,8 +34,8 @@ struct Box {
 };
 
 struct SearchLimits {
-  int max_iterations = 200;
-  double tolerance = 2e-7;  ///< decrease of the criterion that is not worth another step
+  int max_iterations = 200;  ///< of searchBox(): per attempt, of which there are at most three
+  double tolerance = 2e-7;   ///< decrease of the criterion that is not worth another step
 };
 
 struct SearchEnd {

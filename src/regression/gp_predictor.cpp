@@ -149,7 +149,7 @@ void GpPredictor::predict(const double* x, double* mean, double* variance,
                         layout.blocks.data() + i * d, kPoints, 1, workspace.x.data(), d, c + i,
                         nullptr, m);
     const Eigen::Index q = Eigen::Index(group.outputs.size());
-    double* const means = workspace.means.data();  // less what it is, as the product subtracts
+    double* const means = workspace.means.data();  // negative: the product subtracts
     std::fill(means, means + q, 0.0);
     simd.subtractTransposed(m, q, 1, group.weights.data(), m, c, m, means, q);
     for (Eigen::Index k = 0; k < q; ++k)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The search for hyper-parameters: normalisation, starts, L-BFGS-B, and back to the user's units.
+// The search for hyper-parameters: normalisation, starts, coarse to fine (box_search.h), and back
+// to the user's units.
 #include "raven_correction/regression/hyperparameters.h"
 
 #include <algorithm>
@@ -184,11 +185,16 @@ SearchBest searchFiner(const HyperParameterProblem& problem, MarginalLikelihood 
   if (start != x) {
     objective(start, gradient);
     for (Eigen::Index i = 0; i < lengths; ++i)
-      if (gradient(i) < 0.0) start(i) = x(i);
+      if (!(gradient(i) > 0.0)) start(i) = x(i);
   }
   SearchBest best;
-  best.end =
-      refineInBox(objective, start, curvatureAt(coarse, start), box, limitsOf(problem, more));
+  const SearchLimits limits = limitsOf(problem, more);
+  best.end = refineInBox(objective, start, curvatureAt(coarse, start), box, limits);
+  if (start != x) {
+    objective(x, gradient);
+    if (objective.best == x)  // the shorter lengths led astray
+      best.end = refineInBox(objective, x, curvatureAt(coarse, x), box, limits);
+  }
   best.x = objective.best.size() > 0 ? objective.best : x;
   best.evaluations = objective.evaluations + coarse.evaluations;
   return best;

@@ -31,7 +31,7 @@ struct Limits {
 /// piece by piece: at full speed e changes evenly, below it decays towards s T.
 double behindAfter(double e, double s, double T, const Limits& limits, double time) {
   const double above = T > 0.0 ? limits.up * T : 0.0, below = T > 0.0 ? -limits.down * T : 0.0;
-  for (int piece = 0; piece < 3; ++piece) {  // from one limit to between them to a limit
+  for (int piece = 0; piece < 3; ++piece) {  // catching up, between the limits, falling behind
     const bool fast_up = e > above || (e == above && s > limits.up);
     const bool fast_down = e < below || (e == below && s < -limits.down);
     if (fast_up || fast_down) {
@@ -46,10 +46,11 @@ double behindAfter(double e, double s, double T, const Limits& limits, double ti
       if (s > limits.up) return (s - limits.up) * time;
       return s < -limits.down ? (s + limits.down) * time : 0.0;
     }
-    const double end = s * T + (e - s * T) * std::exp(-time / T);
+    // Written so that a jump of the goal, a huge s for next to no time, keeps its digits.
+    const double end = e * std::exp(-time / T) - s * T * std::expm1(-time / T);
     if (end <= above && end >= below) return end;
     const double edge = end > above ? above : below;
-    time -= T * std::log((e - s * T) / (edge - s * T));
+    time = std::max(0.0, time - T * std::log1p((e - edge) / (edge - s * T)));
     e = edge;
   }
   return e;

@@ -163,6 +163,47 @@ TEST(Effects, MotorSaturationDragsTheRoll) {
 }
 
 // In the arm: encoders and tool both see it, and the robot's file says which cables are coupled.
+// The goal moves evenly, so one step is as good as a thousand: from the lag to the limit, and back
+// across to the other limit.
+TEST(Effects, MotorSaturationOfAMovingGoalDoesNotDependOnTheStep) {
+  const auto roll = [](double T, int parts) {
+    Stage stage("motor_saturation", {{"T[tool_roll]", T}, {"v[tool_roll]", 5.0}});
+    const int j = stage.robot().indexOf("tool_roll"), k = stage.robot().indexOf("insertion");
+    JointVector q = stage.robot().home();
+    std::vector<double> ends;
+    for (const double speed : {-0.1, 0.1, 0.02}) {
+      JointVector moved = q;
+      for (int i = 0; i < parts; ++i) {
+        q(k) += speed * 0.3 / parts;
+        moved = stage.apply(q, 0.3 / parts);
+      }
+      ends.push_back(moved(j) - stage.robot().home()(j));
+    }
+    return ends;
+  };
+  for (const double T : {0.0, 0.05, 0.4}) {
+    const std::vector<double> one = roll(T, 1), many = roll(T, 1000);
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_NEAR(one[i], many[i], 1e-9) << "T = " << T << ", stretch " << i;
+      EXPECT_GT(std::abs(many[i]), 0.01) << "nothing lags, nothing is tested";
+    }
+  }
+}
+
+// A set-point may jump in a step of next to no time: the motor has not moved, so the roll turns by
+// all that the insertion's cable has moved.
+TEST(Effects, MotorSaturationKeepsItsDigitsInAShortStep) {
+  Stage stage("motor_saturation", {{"T[tool_roll]", 0.1}});
+  const int j = stage.robot().indexOf("tool_roll"), k = stage.robot().indexOf("insertion");
+  JointVector q = stage.robot().home();
+  q(k) += 1e-3;
+  const JointVector short_step = stage.apply(q, 2e-16);
+  Stage other("motor_saturation", {{"T[tool_roll]", 0.1}});
+  const JointVector longer_step = other.apply(q, 1e-9);
+  EXPECT_NEAR(short_step(j), longer_step(j), 1e-6);
+  EXPECT_GT(std::abs(short_step(j) - stage.robot().home()(j)), 0.05);
+}
+
 TEST(Effects, EncodersSeeMotorSaturation) {
   SimulationConfig config = simulationWith("motor_saturation", {{"v[tool_roll]", 5.0}});
   for (const bool coupled : {true, false}) {

@@ -52,15 +52,17 @@ struct HyperParameterResult {
   int evaluations = 0;  ///< of all
 };
 
-/// Maximum of the log marginal likelihood, or minimum of the grouped validation error, by L-BFGS-B
-/// on log parameters. With kValidation the mean function is zero, and the signal variances
+/// Maximum of the log marginal likelihood, or minimum of the grouped validation error, on log
+/// parameters. With kValidation the mean function is zero, and the signal variances
 /// are those that make intervals honest on the rows left out.
 ///
 /// Features are centred and divided by their standard deviation (one common scale unless ARD),
 /// targets by their root mean square; a feature that is constant takes no part. Starts: the best,
 /// on up to 256 rows, of four length scales around sqrt(d) and three noise ratios. The search goes
-/// from coarse to fine: restarts on every 4^k-th row, the best of them on four times as many, until
-/// all rows take part (`converged`, `iterations`: of that last one). Bounds: length
+/// from coarse to fine: L-BFGS-B with restarts on every 4^k-th row; from the best of them, on four
+/// times as many rows and so on, a quasi-Newton search that begins with the curvature of the fewer
+/// rows, where features that these do not see start again from four times the shortest length
+/// (`converged`, `iterations`: of the last search). Bounds: length
 /// scales 1e-2 to 1e4 deviations, noise ratio 1e-8 to 1e3. (kValidation: one start, at most 40
 /// iterations, log lengths -2 to 6, noise ratio 1e-5 to 10.) A search that stops early is data
 /// (`converged`, `message`), and its best point is used.
