@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "delay_dependence.h"
 #include "observed_samples.h"
 #include "raven_correction/diagnosis/held_out.h"
 #include "raven_correction/geometry/statistics.h"
@@ -160,7 +161,11 @@ Features timeFeatures(const std::vector<Sample>& samples) {
   return features;
 }
 
-/// Whitened and clipped residuals of every sample, one column per component; what a sample does not
+Eigen::MatrixXd clipped(const Eigen::MatrixXd& values) {
+  return values.cwiseMax(-kClip).cwiseMin(kClip);
+}
+
+/// Whitened residuals of every sample, one column per component; what a sample does not
 /// have is 0.
 Eigen::MatrixXd targetsOf(const std::vector<Sample>& samples, const ResidualLayout& layout,
                           const Eigen::VectorXd& residual, const Eigen::VectorXd& scales,
@@ -182,7 +187,7 @@ Eigen::MatrixXd targetsOf(const std::vector<Sample>& samples, const ResidualLayo
       const auto c = static_cast<std::size_t>(block.channel);
       for (int i = 0; i < layout.channels[c].size; ++i)
         targets(static_cast<Eigen::Index>(s), first[c] + i) =
-            std::clamp(residual(block.offset + i) / scales(block.channel), -kClip, kClip);
+            residual(block.offset + i) / scales(block.channel);
     }
   }
   return targets;
@@ -228,46 +233,6 @@ Eigen::MatrixXd heldOutPredictions(const std::vector<Sample>& samples,
   return predictions;
 }
 
-/// A single delay as the only cause: target = mean - delay * simulated velocity, in the units of
-/// the targets; both learnt from the motions of the other folds.
-struct DelayPrediction {
-  Eigen::MatrixXd predictions;
-  double delay = 0.0;  ///< of all motions [s]
-};
-DelayPrediction delayPredictions(const Recording& recording, const std::vector<Sample>& samples,
-                                 const Eigen::MatrixXd& targets, const Eigen::VectorXd& scales,
-                                 const std::vector<int>& channel_of, int folds) {
-  Eigen::MatrixXd velocity(targets.rows(), targets.cols());
-  for (std::size_t s = 0; s < samples.size(); ++s)
-    velocity.row(static_cast<Eigen::Index>(s)) = simulatedVelocity(recording, samples[s]);
-  for (std::size_t k = 0; k < channel_of.size(); ++k)
-    velocity.col(static_cast<Eigen::Index>(k)) /= scales(channel_of[k]);
-  const auto learn = [&](int left_out, Eigen::RowVectorXd& x, Eigen::RowVectorXd& t) {
-    Eigen::VectorXd use(targets.rows());
-    for (std::size_t s = 0; s < samples.size(); ++s)
-      use(static_cast<Eigen::Index>(s)) = samples[s].motion % folds != left_out;
-    const double count = std::max(1.0, use.sum());
-    x = use.transpose() * velocity / count;
-    t = use.transpose() * targets / count;
-    const Eigen::MatrixXd dx = use.asDiagonal() * (velocity.rowwise() - x);
-    const double square = dx.squaredNorm();
-    return square > 0.0 ? -dx.cwiseProduct(targets.rowwise() - t).sum() / square : 0.0;
-  };
-  DelayPrediction result;
-  Eigen::RowVectorXd x, t;
-  result.delay = learn(-1, x, t);
-  result.predictions.resize(targets.rows(), targets.cols());
-  for (int fold = 0; fold < folds; ++fold) {
-    const double delay = learn(fold, x, t);
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-      const auto row = static_cast<Eigen::Index>(s);
-      if (samples[s].motion % folds == fold)
-        result.predictions.row(row) = t - delay * (velocity.row(row) - x);
-    }
-  }
-  return result;
-}
-
 /// Mean squares of each motion, channels counting equally.
 Eigen::VectorXd squaresOfMotions(const std::vector<Sample>& samples, const Eigen::MatrixXd& error,
                                  int motions) {
@@ -289,7 +254,8 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
   if (samples.empty()) return result;
   const Eigen::VectorXd scales = channelScales(layout, residual);
   std::vector<int> channel_of;
-  const Eigen::MatrixXd targets = targetsOf(samples, layout, residual, scales, channel_of);
+  const Eigen::MatrixXd whitened = targetsOf(samples, layout, residual, scales, channel_of);
+  const Eigen::MatrixXd targets = clipped(whitened);
   const Eigen::MatrixXd none(targets.rows(), 0);
   const Eigen::MatrixXd constant = heldOutPredictions(samples, none, targets, folds);
   const Eigen::VectorXd before = squaresOfMotions(samples, targets - constant, layout.motions);
@@ -306,10 +272,14 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
       {"speed", speedFeatures(samples, extents)},
       {"load", loadFeatures(samples, recording)},
       {"time", timeFeatures(samples)}};
-  const DelayPrediction delay =
-      delayPredictions(recording, samples, targets, scales, channel_of, folds);
+  Eigen::MatrixXd velocity(targets.rows(), targets.cols());
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    velocity.row(static_cast<Eigen::Index>(i)) = simulatedVelocity(recording, samples[i]);
+  for (std::size_t k = 0; k < channel_of.size(); ++k)
+    velocity.col(static_cast<Eigen::Index>(k)) /= scales(channel_of[k]);
+  const DelayPrediction delay = delayPredictions(samples, whitened, velocity, folds);
   result.delay = delay.delay;
-  result.on_delay = explained("delay", delay.predictions);
+  result.on_delay = explained("delay", clipped(delay.predictions));
   Features all(samples.size());
   for (const auto& [name, features] : groups) {
     if (features.empty()) continue;

@@ -127,9 +127,8 @@ Figure errorDistributionFigure(const Verdict& verdict) {
   }
   figure.how_to_read =
       "Measured minus simulated. Each curve says which share of the samples has an error of at "
-      "most "
-      "what the horizontal axis says; where a curve crosses 50 % is the median. The after curve is "
-      "of motions held out: no motion was predicted with parameters fitted to it.";
+      "most what the horizontal axis says (logarithmic); where it crosses 50 % is the median. The "
+      "after curve is of motions held out: none was predicted with parameters fitted to it.";
   figure.good =
       "the solid curve climbs far to the left of the dashed one, and reaches the noise floor.";
   return figure;

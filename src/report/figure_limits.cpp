@@ -10,7 +10,7 @@ namespace raven_correction {
 namespace {
 
 constexpr double kMargin = 0.04;      // of the range of the data, on either side [-]
-constexpr double kNumberRoom = 0.15;  // of the range of bars, for the numbers beside them [-]
+constexpr double kNumberRoom = 0.22;  // of the range of bars, for the numbers beside them [-]
 
 void includeAll(Range& range, const std::vector<double>& values) {
   for (const double value : values) range.include(value);
