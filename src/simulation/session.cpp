@@ -14,7 +14,6 @@ constexpr double kStart = 1000.0;    // stamp of a session's first command; 0 wo
 constexpr double kBetween = 0.3;     // pause between two trajectories [s]
 constexpr double kSettle = 1.0;      // before the first command [s]
 constexpr double kSamePlace = 0.03;  // a recording that starts so near began a little late [m]
-constexpr double kFragmentMass = 5e-4;  // of a piece of foam [kg]
 
 bool isCommand(const StampedPose& command) {
   return isFinite(command.pose) && hasUnitQuaternion(command.pose) && !isIdentity(command.pose);
@@ -28,7 +27,8 @@ class Recorder {
 
   SimulatedArm& arm() { return arm_; }
 
-  void record(Trajectory& trajectory) {
+  /// @param jaw  opening with each command, or empty [rad]
+  void record(Trajectory& trajectory, const std::vector<double>& jaw = {}) {
     const PoseStream& commands = trajectory.commands;
     const double first = commands.front().stamp;
     const double last = commands.back().stamp;
@@ -40,8 +40,10 @@ class Recorder {
     while (next_encoder_ < first) next_encoder_ += 1.0 / config_.encoder_rate;
     for (;;) {
       const double now = std::min(mocap_.nextExposure(), next_encoder_);
-      while (next < commands.size() && commands[next].stamp <= now)
-        take(commands[next++], trajectory);
+      for (; next < commands.size() && commands[next].stamp <= now; ++next) {
+        take(commands[next], trajectory);
+        if (!jaw.empty()) arm_.commandJaw(commands[next].stamp, jaw[next]);
+      }
       if (now > last) break;
       arm_.advanceTo(now);
       if (now == next_encoder_) {
@@ -55,7 +57,6 @@ class Recorder {
           trajectory.observations.push_back(*frame.pose);
       }
     }
-    while (next < commands.size()) take(commands[next++], trajectory);
     arm_.advanceTo(last);
   }
 
@@ -107,8 +108,7 @@ Dataset simulateSession(const SimulationConfig& config, int trajectories, std::u
     Trajectory trajectory;
     trajectory.id = format("t%03d", i);
     trajectory.commands = planned.commands;
-    recorder.arm().setPayload(planned.holding ? kFragmentMass : 0.0);
-    recorder.record(trajectory);
+    recorder.record(trajectory, planned.jaw);
     start = trajectory.commands.back().stamp + kBetween;
     dataset.trajectories.push_back(std::move(trajectory));
   }

@@ -149,6 +149,28 @@ TEST(Session, BothArmsAreIndependent) {
   EXPECT_FALSE(equal(alone, other));
 }
 
+// In a session of the task the gripper holds the payload between grasp and release, and cables that
+// give way show it.
+TEST(Session, ThePayloadIsFeltBetweenGraspAndRelease) {
+  SimulationConfig light = simulationWith("cable_stretch", {{"s[insertion]", 0.001}});
+  SimulationConfig heavy = light;
+  light.gripper.payload = 0.0;
+  heavy.gripper.payload = 0.1;
+  const Dataset a = simulateSession(light, 6, 3);
+  const Dataset b = simulateSession(heavy, 6, 3);
+  for (std::size_t i = 0; i < a.trajectories.size(); ++i) {
+    // The last frame but those of the dwell: half-way through the motion.
+    const PoseStream& seen = a.trajectories[i].observations;
+    const std::size_t middle = seen.size() / 2;
+    const double sag = (seen[middle].pose.p - b.trajectories[i].observations[middle].pose.p).norm();
+    if (i % 3 == 0) {
+      EXPECT_LT(sag, 1e-9) << "on the way to a fragment";
+    } else {
+      EXPECT_GT(sag, 0.0005) << i;
+    }
+  }
+}
+
 TEST(Session, EncodersCountInWholeSteps) {
   SimulationConfig config = shippedSimulation("nominal");
   config.quantise_encoders = true;
