@@ -34,6 +34,7 @@ struct Heard {
   PoseStream desired;
   std::vector<TrajectoryEvent> events;
   std::vector<geometry_msgs::PoseArray> paths;
+  std::size_t jaw = 0;  // commands to it
 };
 
 /// Callbacks run in a spinner of two threads, so a call of ~run may wait for its answer.
@@ -55,6 +56,10 @@ class Planner : public ::testing::Test {
           const std::lock_guard<std::mutex> lock(mutex);
           heard.paths.push_back(*message);
         });
+    jaw_ = nh.subscribe<sensor_msgs::JointState>("jaw/servo_jp", 100, [this](const auto&) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      ++heard.jaw;
+    });
     progress_ = nh.subscribe<WorkProgress>("planner/progress", 100, [this](const auto& message) {
       const std::lock_guard<std::mutex> lock(mutex);
       progress = *message;
@@ -64,7 +69,7 @@ class Planner : public ::testing::Test {
     EXPECT_TRUE(waitFor(
         [this] {
           return desired_.getNumPublishers() > 0 && events_.getNumPublishers() > 0 &&
-                 paths_.getNumPublishers() > 0;
+                 paths_.getNumPublishers() > 0 && jaw_.getNumPublishers() > 0;
         },
         kLimit));
   }
@@ -112,7 +117,7 @@ class Planner : public ::testing::Test {
   WorkProgress progress;
 
  private:
-  ros::Subscriber desired_, events_, paths_, progress_;
+  ros::Subscriber desired_, events_, paths_, jaw_, progress_;
   ros::Publisher setpoint_;
 };
 
@@ -128,6 +133,7 @@ TEST_F(Planner, EventsEncloseTheCommandsOfTheirTrajectory) {
   const Heard all = runAndHear(3, 5);
   ASSERT_EQ(all.events.size(), 6u);
   ASSERT_EQ(all.paths.size(), 3u);
+  EXPECT_EQ(all.jaw, 0u) << "nothing to grasp on the way from one fragment to the next";
   for (std::size_t i = 0; i < 3; ++i) {
     const TrajectoryEvent& start = all.events[2 * i];
     const TrajectoryEvent& end = all.events[2 * i + 1];
