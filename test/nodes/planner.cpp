@@ -18,6 +18,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/planner_node.h"
+#include "raven_correction/simulation/simulation_config.h"
 #include "support/node_main.h"
 #include "support/wait_for.h"
 
@@ -287,6 +288,19 @@ TEST(PlannerParams, TheShippedFileHoldsTheDefaults) {
   EXPECT_EQ(shipped.motion.orientation_deviation, defaults.motion.orientation_deviation);
   for (const DebridementField& field : debridementFields())
     EXPECT_EQ(shipped.motion.*field.value, defaults.motion.*field.value) << field.key;
+}
+
+// What the planner of the right arm is told is what sessions of the simulated right arm do.
+TEST(PlannerParams, TheRightArmHasTheFieldOfItsSimulation) {
+  const PlannerParams params = loadPlannerParams(ros::NodeHandle("/shipped_right"));
+  std::string directory;
+  ASSERT_TRUE(ros::param::get("/configuration", directory));
+  const DebridementConfig simulated =
+      loadSimulationConfig(directory + "/simulation/raven2_right.yaml").debridement;
+  EXPECT_EQ(params.motion.field_centre, simulated.field_centre);
+  EXPECT_EQ(params.motion.receptacle, simulated.receptacle);
+  EXPECT_EQ(params.motion.box_lower, simulated.box_lower);
+  EXPECT_EQ(params.motion.box_upper, simulated.box_upper);
 }
 
 TEST(PlannerParams, AllProblemsAreNamedAtOnce) {
