@@ -2,7 +2,6 @@
 #include "raven_correction/ros/command_gate.h"
 
 #include <cmath>
-#include <limits>
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/names.h"
@@ -36,30 +35,27 @@ bool isTaken(CommandVerdict verdict) noexcept {
   return verdict == CommandVerdict::kTaken || verdict == CommandVerdict::kClipped;
 }
 
-CommandGate::CommandGate(const CommandGateConfig& config) : config_(config) {
+CommandGate::CommandGate(const CommandGateConfig& config)
+    : config_(config), arrival_(config.stamp_tolerance) {
   config_.base_frame = withoutSlash(config_.base_frame);
   if (config_.base_frame.empty()) throw InvalidInput("the base frame of commands has no name");
   const struct {
     const char* name;
     double value;
-  } lengths[] = {{"max_step", config.max_step},
-                 {"reject_step", config.reject_step},
-                 {"stamp_tolerance", config.stamp_tolerance}};
+  } lengths[] = {{"max_step", config.max_step}, {"reject_step", config.reject_step}};
   for (const auto& length : lengths)
     if (!(length.value >= 0.0 && std::isfinite(length.value)))
       throw InvalidInput(format("%s = %g, must be >= 0", length.name, length.value));
-  reset();
 }
 
 void CommandGate::reset() noexcept {
   heard_ = false;
-  last_stamp_ = -std::numeric_limits<double>::infinity();
+  arrival_.reset();
 }
 
 CommandVerdict CommandGate::judge(double now, const Eigen::Vector3d& measured,
                                   ArrivedCommand& command) {
-  if (command.latched && latched_publishers_.insert(command.publisher).second)
-    return CommandVerdict::kLatched;
+  if (arrival_.isReplay(command.publisher, command.latched)) return CommandVerdict::kLatched;
   if (withoutSlash(command.frame) != config_.base_frame) return CommandVerdict::kWrongFrame;
   Pose& pose = command.pose.pose;
   if (!isFinite(pose)) return CommandVerdict::kNotFinite;
@@ -74,13 +70,7 @@ CommandVerdict CommandGate::judge(double now, const Eigen::Vector3d& measured,
   if (config_.reject_step > 0.0 && length > config_.reject_step) return CommandVerdict::kTooFar;
   const bool clipped = config_.max_step > 0.0 && length > config_.max_step;
   if (clipped) pose.p = measured + step * (config_.max_step / length);
-
-  double& stamp = command.pose.stamp;
-  if (!(std::abs(stamp - now) <= config_.stamp_tolerance)) stamp = now;
-  // Later than now by more than that: the clock was set back, and the last stamp means nothing.
-  const bool comparable = last_stamp_ <= now + config_.stamp_tolerance;
-  if (comparable && stamp < last_stamp_) stamp = last_stamp_;
-  last_stamp_ = stamp;
+  command.pose.stamp = arrival_.actingTime(now, command.pose.stamp);
   return clipped ? CommandVerdict::kClipped : CommandVerdict::kTaken;
 }
 

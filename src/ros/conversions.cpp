@@ -60,12 +60,27 @@ StampedPose stampedPoseFromMsg(const geometry_msgs::PoseStamped& msg) noexcept {
   return {msg.header.stamp.toSec(), poseFromMsg(msg.pose)};
 }
 
+namespace {
+ros::Time stampToMsg(double stamp) {
+  return std::isfinite(stamp) && stamp > 0.0 ? ros::Time(stamp) : ros::Time();
+}
+}  // namespace
+
 geometry_msgs::PoseStamped stampedPoseToMsg(double stamp, const Pose& pose,
                                             const std::string& frame) {
   geometry_msgs::PoseStamped msg;
-  if (std::isfinite(stamp) && stamp > 0.0) msg.header.stamp.fromSec(stamp);
+  msg.header.stamp = stampToMsg(stamp);
   msg.header.frame_id = frame;
   msg.pose = poseToMsg(pose);
+  return msg;
+}
+
+sensor_msgs::JointState jointsToMsg(double stamp, const std::vector<std::string>& names,
+                                    const Eigen::VectorXd& positions) {
+  sensor_msgs::JointState msg;
+  msg.header.stamp = stampToMsg(stamp);
+  msg.name = names;
+  msg.position.assign(positions.data(), positions.data() + positions.size());
   return msg;
 }
 

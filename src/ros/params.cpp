@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <regex>
 
 #include "raven_correction/error.h"
 
@@ -130,6 +131,27 @@ void ParamReader::texts(const std::string& name, std::vector<std::string>& value
   get(name, value, "a list of texts");
   std::string list;
   for (const std::string& text : value) list += (list.empty() ? "\"" : ", \"") + text + "\"";
+  remember(name, "[" + list + "]");
+}
+
+void ParamReader::names(const std::string& name, std::vector<std::string>& value,
+                        std::size_t max_count) {
+  static const std::regex kName("[A-Za-z][A-Za-z0-9_]*");
+  std::vector<std::string> given = value;
+  get(name, given, "a list of names");
+  if (given.size() > max_count)
+    problem(name, format("has %zu names, at most %zu are allowed", given.size(), max_count));
+  value.clear();
+  for (const std::string& v : given) {
+    if (!std::regex_match(v, kName))
+      problem(name, format("\"%s\" is not a letter and more letters, digits or _", v.c_str()));
+    else if (std::find(value.begin(), value.end(), v) != value.end())
+      problem(name, format("\"%s\" is there twice", v.c_str()));
+    else
+      value.push_back(v);
+  }
+  std::string list;
+  for (const std::string& v : value) list += (list.empty() ? "" : ", ") + v;
   remember(name, "[" + list + "]");
 }
 

@@ -90,6 +90,7 @@ PlannerNode::PlannerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
   DebridementMotion(params_.motion, robot_, 0).randomTarget();  // refuse a bad field now, not later
   ros::NodeHandle private_handle(private_nh);
   desired_ = nh_.advertise<geometry_msgs::PoseStamped>(topics::kDesired, 10);
+  jaw_ = nh_.advertise<sensor_msgs::JointState>(topics::kJawCommand, 10);
   path_ = nh_.advertise<geometry_msgs::PoseArray>(topics::kDesiredPath, 10);
   event_ = nh_.advertise<TrajectoryEvent>(topics::kTrajectoryEvent, 100);
   progress_ = private_handle.advertise<WorkProgress>("progress", 1, true);
@@ -203,7 +204,7 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
   const PoseStream approach =
       smoothMove(*startPose(), motion.rest(), config.speed, config.angular_speed,
                  config.acceleration, 1.0 / config.rate);
-  if (!play(approach, now(), last_stamp) || !rest()) return stopped();
+  if (!play(approach, {}, now(), last_stamp) || !rest()) return stopped();
 
   const unsigned report_every = std::max(1u, (request.trajectories + kReports - 1) / kReports);
   for (unsigned i = 0; i < request.trajectories; ++i) {
@@ -213,7 +214,7 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
     const double start = now();
     announce(name, trajectory, start);
     last_stamp = start;  // it may be stopped before its first command
-    const bool completed = play(trajectory.commands, start, last_stamp);
+    const bool completed = play(trajectory.commands, trajectory.jaw, start, last_stamp);
     endOf(name, trajectory, last_stamp, completed);
     if (completed) ++outcome.completed;
     const double share = static_cast<double>(outcome.completed) / request.trajectories;
@@ -231,14 +232,21 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
   return outcome;
 }
 
+/// @param jaw  opening with each pose of `motion`, or empty; left as it is during a stop [rad]
 /// @return false when it was stopped before its end
-bool PlannerNode::play(const PoseStream& motion, double start, double& last_stamp) {
+bool PlannerNode::play(const PoseStream& motion, const std::vector<double>& jaw, double start,
+                       double& last_stamp) {
   Playback playback(motion, start, 1.0 / params_.motion.rate);
+  std::size_t sent = 0;  // of the openings
   while (!playback.finished()) {
     if (!ros::ok()) return false;
     if (stop_) playback.stop(params_.stop_time);
     if (const std::optional<StampedPose> command = playback.next(now())) {
       desired_.publish(stampedPoseToMsg(command->stamp, command->pose, params_.base_frame));
+      if (!playback.stopping() && sent < jaw.size()) ++sent;
+      if (sent > 0)
+        jaw_.publish(
+            jointsToMsg(command->stamp, {"jaw"}, Eigen::VectorXd::Constant(1, jaw[sent - 1])));
       last_desired_ = command;
       last_stamp = command->stamp;
     } else {

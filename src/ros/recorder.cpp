@@ -62,9 +62,18 @@ Recorder::Recorder(ros::NodeHandle nh, ros::NodeHandle private_nh, const Recorde
   pose(kMocap, topics::kMocap, params.mocap_pose_type, &Recorder::onMocap);
   pose(kEncoder, topics::kEncoder, params.pose_type, &Recorder::onEncoder);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  streams_[kJoints].topic = topics::kJoints;
-  streams_[kJoints].subscriber =
-      nh_.subscribe(topics::kJoints, queue, &Recorder::onJoints, this, hints);
+  const auto joints = [&](Stream stream, const char* topic) {
+    streams_[stream].topic = topic;
+    streams_[stream].subscriber = nh_.subscribe<sensor_msgs::JointState>(
+        topic, queue,
+        [this, stream](const sensor_msgs::JointStateConstPtr& message) {
+          record(stream, note(stream), message);
+        },
+        ros::VoidConstPtr(), hints);
+  };
+  joints(kJoints, topics::kJoints);
+  joints(kJawCommand, topics::kJawCommand);
+  joints(kJaw, topics::kJaw);
   streams_[kEvents].topic = topics::kTrajectoryEvent;
   streams_[kEvents].subscriber =
       nh_.subscribe(topics::kTrajectoryEvent, queue, &Recorder::onEvent, this, hints);
@@ -169,10 +178,6 @@ void Recorder::onMocap(const geometry_msgs::PoseStampedConstPtr& message) {
   StampedPose sample = stampedPoseFromMsg(*seen);
   sample.pose = *X_base_mocap * sample.pose;
   publishPairs(synchroniser_.addObservation(sample));
-}
-
-void Recorder::onJoints(const sensor_msgs::JointStateConstPtr& message) {
-  record(kJoints, note(kJoints), message);
 }
 
 void Recorder::onEvent(const TrajectoryEventConstPtr& message) {

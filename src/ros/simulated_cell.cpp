@@ -2,6 +2,7 @@
 #include "raven_correction/ros/simulated_cell.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "raven_correction/error.h"
 
@@ -39,12 +40,20 @@ void SimulatedCell::reset(double start) {
 
 void SimulatedCell::restart(double start) {
   const JointVector joints = arm_.setpointJoints();
+  const GripperState gripper = arm_.state().gripper;
   arm_.reset(start, joints);
+  ArmState state = arm_.state();
+  state.gripper = gripper;
+  arm_.restore(state);
   restartReports(start);
 }
 
-void SimulatedCell::reportAt(double time) {
-  arm_.advanceTo(time);
+double SimulatedCell::nextReport() const noexcept {
+  return std::min({next_measured_, next_setpoint_, next_joints_, motion_capture_.nextExposure()});
+}
+
+/// The arm is at `time`.
+void SimulatedCell::reportAt(double time, const std::vector<Obstacle>& obstacles) {
   if (next_measured_ <= time) {
     report_.measured.push_back({time, arm_.measuredPose()});
     next_measured_ += 1.0 / rates_.measured_cp;
@@ -54,32 +63,57 @@ void SimulatedCell::reportAt(double time) {
     next_setpoint_ += 1.0 / rates_.setpoint_cp;
   }
   if (next_joints_ <= time) {
-    report_.joints.push_back({time, arm_.motorJoints()});
+    report_.joints.push_back({time, arm_.encoderJoints()});
+    report_.jaw.push_back({time, Eigen::VectorXd::Constant(1, arm_.jaw())});
     next_joints_ += 1.0 / rates_.measured_js;
   }
   if (motion_capture_.nextExposure() <= time) {
-    const MocapFrame frame = motion_capture_.capture(arm_.toolPose());
+    const MocapFrame frame = motion_capture_.capture(arm_.toolPose(), obstacles);
     if (frame.pose) in_flight_.push_back(*frame.pose);
   }
 }
 
-const CellReport& SimulatedCell::advanceTo(double time) {
-  report_.measured.clear();
-  report_.setpoint.clear();
-  report_.joints.clear();
-  report_.mocap.clear();
-  for (;;) {
-    const double next =
-        std::min({next_measured_, next_setpoint_, next_joints_, motion_capture_.nextExposure()});
-    if (!(next <= time)) break;
-    reportAt(next);
-  }
-  arm_.advanceTo(time);
+void SimulatedCell::endReports(double time) {
   while (!in_flight_.empty() && in_flight_.front().stamp <= time) {
     report_.mocap.push_back(in_flight_.front());
     in_flight_.pop_front();
   }
+}
+
+const CellReport& SimulatedCell::advanceTo(double time) {
+  advanceTogether({this}, time);
   return report_;
+}
+
+void advanceTogether(const std::vector<SimulatedCell*>& cells, double time) {
+  for (SimulatedCell* const cell : cells) {
+    cell->report_.measured.clear();
+    cell->report_.setpoint.clear();
+    cell->report_.joints.clear();
+    cell->report_.jaw.clear();
+    cell->report_.mocap.clear();
+  }
+  std::vector<Obstacle> obstacles;
+  for (;;) {
+    double next = std::numeric_limits<double>::infinity();
+    for (const SimulatedCell* const cell : cells) next = std::min(next, cell->nextReport());
+    if (!(next <= time)) break;
+    for (SimulatedCell* const cell : cells) cell->arm_.advanceTo(next);
+    for (SimulatedCell* const cell : cells) {
+      if (cell->nextReport() > next) continue;
+      obstacles.clear();
+      const std::string& frame = cell->arm_.config().robot.frame();
+      for (const SimulatedCell* const other : cells)
+        if (other != cell && other->arm_.config().robot.frame() == frame)
+          obstacles.push_back(
+              instrumentOf(other->arm_.config().motion_capture.rig, other->arm_.toolPose()));
+      cell->reportAt(next, obstacles);
+    }
+  }
+  for (SimulatedCell* const cell : cells) {
+    cell->arm_.advanceTo(time);
+    cell->endReports(time);
+  }
 }
 
 }  // namespace raven_correction

@@ -44,6 +44,10 @@ void requireRange(const char* name, double value, double lower, double upper) {
 
 }  // namespace
 
+Obstacle instrumentOf(const CameraRigConfig& rig, const Pose& X_base_tool) noexcept {
+  return {rig.remote_centre, X_base_tool.p, rig.shaft_radius};
+}
+
 CameraRig::CameraRig(const CameraRigConfig& config, double bias, std::uint64_t seed)
     : config_(config) {
   requireRange("distance", config.distance, 0.3, 10.0);
@@ -87,7 +91,7 @@ Pose CameraRig::poseFromLeds(const std::array<Eigen::Vector3d, kLeds>& p_base_le
 }
 
 LedSight CameraRig::sight(const Pose& X_base_tool,
-                          const std::optional<Obstacle>& obstacle) const noexcept {
+                          const std::vector<Obstacle>& obstacles) const noexcept {
   const Eigen::Vector3d light = X_base_tool.q * config_.led_direction;
   const Eigen::Vector3d to_centre = config_.remote_centre - X_base_tool.p;
   const Eigen::Vector3d shaft_end =
@@ -103,9 +107,11 @@ LedSight CameraRig::sight(const Pose& X_base_tool,
       if (to_camera.dot(light) < std::cos(config_.led_angle)) continue;
       if (segmentDistance(led, camera, shaft_end, config_.remote_centre) < config_.shaft_radius)
         continue;
-      if (obstacle && segmentDistance(led, camera, obstacle->from, obstacle->to) < obstacle->radius)
-        continue;
-      sight[l] |= 1u << c;
+      const bool hidden =
+          std::any_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+            return segmentDistance(led, camera, obstacle.from, obstacle.to) < obstacle.radius;
+          });
+      if (!hidden) sight[l] |= 1u << c;
     }
   }
   return sight;

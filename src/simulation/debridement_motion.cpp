@@ -34,7 +34,9 @@ const std::vector<DebridementField>& debridementFields() {
       {"acceleration", &C::acceleration, 1e-2, 20.0},
       {"rate", &C::rate, 1.0, 1000.0},
       {"pause", &C::pause, 0.0, 10.0},
-      {"dwell", &C::dwell, 0.0, 10.0}};
+      {"dwell", &C::dwell, 0.0, 10.0},
+      {"jaw_open", &C::jaw_open, -1.6, 3.2},
+      {"jaw_closed", &C::jaw_closed, -1.6, 3.2}};
   return fields;
 }
 
@@ -143,6 +145,16 @@ DebridementTrajectory DebridementMotion::moveTo(const Pose& target, double start
   return follow({target}, start);
 }
 
+/// The jaw goes from one opening to another when half of the dwell is over, at the last command at
+/// the latest.
+void DebridementMotion::addJaw(double before, double after,
+                               DebridementTrajectory& trajectory) const {
+  const double change = trajectory.rest_start + 0.5 * config_.dwell;
+  for (const StampedPose& command : trajectory.commands)
+    trajectory.jaw.push_back(command.stamp < change ? before : after);
+  trajectory.jaw.back() = after;
+}
+
 DebridementTrajectory DebridementMotion::next(double start) {
   const Eigen::Vector3d above(0.0, 0.0, config_.lift_height);
   const Eigen::Vector3d wander(0.02, 0.02, 0.01);  // of the poses in free space [m]
@@ -154,13 +166,16 @@ DebridementTrajectory DebridementMotion::next(double start) {
       fragment_pose_ = randomTarget();
       const Pose approach = randomPose(fragment_pose_.p + above, wander);
       trajectory = follow({approach, fragment_pose_}, start);
+      addJaw(config_.jaw_open, config_.jaw_closed, trajectory);
       break;
     }
     case Kind::kCheckPickup:
       trajectory = follow({randomPose(fragment_pose_.p + above, wander)}, start);
+      addJaw(config_.jaw_closed, config_.jaw_closed, trajectory);
       break;
     case Kind::kMoveHolding:
       trajectory = follow({Pose{config_.receptacle, config_.orientation.normalized()}}, start);
+      addJaw(config_.jaw_closed, config_.jaw_open, trajectory);
       break;
   }
   trajectory.kind = kind;

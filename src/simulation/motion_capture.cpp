@@ -85,8 +85,7 @@ unsigned MotionCapture::blindCameras(double now) {
   return blind;
 }
 
-MocapFrame MotionCapture::capture(const Pose& X_base_tool,
-                                  const std::optional<Obstacle>& obstacle) {
+MocapFrame MotionCapture::capture(const Pose& X_base_tool, const std::vector<Obstacle>& obstacles) {
   MocapFrame frame;
   const double now = next_exposure_;
   frame.exposure = now;
@@ -103,7 +102,7 @@ MocapFrame MotionCapture::capture(const Pose& X_base_tool,
     swap_first_ = static_cast<std::size_t>(random_() % kLeds);
   }
 
-  frame.sight = rig_.sight(X_base_tool, obstacle);
+  frame.sight = rig_.sight(X_base_tool, obstacles);
   std::array<Eigen::Vector3d, kLeds> p_base_led;
   bool seen = true;
   for (std::size_t l = 0; l < kLeds; ++l) {

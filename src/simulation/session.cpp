@@ -14,21 +14,73 @@ constexpr double kStart = 1000.0;    // stamp of a session's first command; 0 wo
 constexpr double kBetween = 0.3;     // pause between two trajectories [s]
 constexpr double kSettle = 1.0;      // before the first command [s]
 constexpr double kSamePlace = 0.03;  // a recording that starts so near began a little late [m]
-constexpr double kFragmentMass = 5e-4;  // of a piece of foam [kg]
+constexpr std::uint64_t kSeedsPerArm = 2;  // motions, motion capture
 
 bool isCommand(const StampedPose& command) {
   return isFinite(command.pose) && hasUnitQuaternion(command.pose) && !isIdentity(command.pose);
 }
 
+/// What an arm is told in a debridement session.
+struct Plan {
+  Pose start;  // it rests here
+  std::vector<DebridementTrajectory> motions;
+};
+
+Plan planSession(const SimulationConfig& config, int trajectories, std::uint64_t seed) {
+  DebridementMotion motion(config.debridement, config.robot, seed);
+  Plan plan{motion.rest(), {}};
+  double start = kStart + kSettle;
+  for (int i = 0; i < trajectories; ++i) {
+    plan.motions.push_back(motion.next(start));
+    start = plan.motions.back().commands.back().stamp + kBetween;
+  }
+  return plan;
+}
+
+/// Another arm in the room of the one that is recorded. Arms move independently, so a copy of it
+/// that follows its own commands knows where its instrument is at any instant.
+class Neighbour {
+ public:
+  Neighbour(const SimulationConfig& config, const Plan& plan)
+      : rig_(config.motion_capture.rig), arm_(config) {
+    for (const DebridementTrajectory& motion : plan.motions) {
+      commands_.insert(commands_.end(), motion.commands.begin(), motion.commands.end());
+      jaw_.insert(jaw_.end(), motion.jaw.begin(), motion.jaw.end());
+    }
+    arm_.reset(kStart, plan.start);
+  }
+  /// @param time  never decreasing [s]
+  Obstacle instrumentAt(double time) {
+    for (; next_ < commands_.size() && commands_[next_].stamp <= time; ++next_) {
+      arm_.command(commands_[next_]);
+      arm_.commandJaw(commands_[next_].stamp, jaw_[next_]);
+    }
+    arm_.advanceTo(time);
+    return instrumentOf(rig_, arm_.toolPose());
+  }
+
+ private:
+  CameraRigConfig rig_;
+  SimulatedArm arm_;
+  PoseStream commands_;
+  std::vector<double> jaw_;  // one per command
+  std::size_t next_ = 0;
+};
+
 /// Drives the arm through one trajectory and records it from its first to its last command.
 class Recorder {
  public:
-  Recorder(const SimulationConfig& config, std::uint64_t seed)
-      : config_(config), arm_(config), mocap_(config.motion_capture, seed) {}
+  Recorder(const SimulationConfig& config, std::uint64_t seed,
+           std::vector<Neighbour> neighbours = {})
+      : config_(config),
+        arm_(config),
+        mocap_(config.motion_capture, seed),
+        neighbours_(std::move(neighbours)) {}
 
   SimulatedArm& arm() { return arm_; }
 
-  void record(Trajectory& trajectory) {
+  /// @param jaw  opening with each command, or empty [rad]
+  void record(Trajectory& trajectory, const std::vector<double>& jaw = {}) {
     const PoseStream& commands = trajectory.commands;
     const double first = commands.front().stamp;
     const double last = commands.back().stamp;
@@ -40,8 +92,10 @@ class Recorder {
     while (next_encoder_ < first) next_encoder_ += 1.0 / config_.encoder_rate;
     for (;;) {
       const double now = std::min(mocap_.nextExposure(), next_encoder_);
-      while (next < commands.size() && commands[next].stamp <= now)
-        take(commands[next++], trajectory);
+      for (; next < commands.size() && commands[next].stamp <= now; ++next) {
+        take(commands[next], trajectory);
+        if (!jaw.empty()) arm_.commandJaw(commands[next].stamp, jaw[next]);
+      }
       if (now > last) break;
       arm_.advanceTo(now);
       if (now == next_encoder_) {
@@ -50,12 +104,11 @@ class Recorder {
         next_encoder_ += 1.0 / config_.encoder_rate;
       }
       if (now == mocap_.nextExposure()) {
-        const MocapFrame frame = mocap_.capture(arm_.toolPose());
+        const MocapFrame frame = mocap_.capture(arm_.toolPose(), obstaclesAt(now));
         if (frame.pose && frame.pose->stamp >= first)  // a repeated one may be older
           trajectory.observations.push_back(*frame.pose);
       }
     }
-    while (next < commands.size()) take(commands[next++], trajectory);
     arm_.advanceTo(last);
   }
 
@@ -72,12 +125,18 @@ class Recorder {
   }
   void skipFrames(double until) {
     arm_.advanceTo(std::min(mocap_.nextExposure(), until));
-    mocap_.capture(arm_.toolPose());
+    mocap_.capture(arm_.toolPose(), obstaclesAt(mocap_.nextExposure()));
+  }
+  std::vector<Obstacle> obstaclesAt(double time) {
+    std::vector<Obstacle> obstacles;
+    for (Neighbour& neighbour : neighbours_) obstacles.push_back(neighbour.instrumentAt(time));
+    return obstacles;
   }
 
   const SimulationConfig& config_;
   SimulatedArm arm_;
   MotionCapture mocap_;
+  std::vector<Neighbour> neighbours_;
   double next_encoder_ = 0.0;
 };
 
@@ -91,28 +150,45 @@ Dataset describe(const SimulationConfig& config, const char* what, std::uint64_t
   return dataset;
 }
 
-}  // namespace
-
-Dataset simulateSession(const SimulationConfig& config, int trajectories, std::uint64_t seed) {
-  if (trajectories <= 0)
-    throw InvalidInput(format("%d trajectories to simulate, must be > 0", trajectories));
-  DebridementMotion motion(config.debridement, config.robot, seed);
-  Recorder recorder(config, seed + 1);
+Dataset recordPlan(const SimulationConfig& config, const Plan& plan,
+                   std::vector<Neighbour> neighbours, std::uint64_t seed) {
+  Recorder recorder(config, seed + 1, std::move(neighbours));
   recorder.startAt(kStart);
-  recorder.arm().reset(kStart, motion.rest());
+  recorder.arm().reset(kStart, plan.start);
   Dataset dataset = describe(config, "simulated debridement session", seed);
-  double start = kStart + kSettle;
-  for (int i = 0; i < trajectories; ++i) {
-    const DebridementTrajectory planned = motion.next(start);
+  for (std::size_t i = 0; i < plan.motions.size(); ++i) {
     Trajectory trajectory;
-    trajectory.id = format("t%03d", i);
-    trajectory.commands = planned.commands;
-    recorder.arm().setPayload(planned.holding ? kFragmentMass : 0.0);
-    recorder.record(trajectory);
-    start = trajectory.commands.back().stamp + kBetween;
+    trajectory.id = format("t%03zu", i);
+    trajectory.commands = plan.motions[i].commands;
+    recorder.record(trajectory, plan.motions[i].jaw);
     dataset.trajectories.push_back(std::move(trajectory));
   }
   return dataset;
+}
+
+}  // namespace
+
+Dataset simulateSession(const SimulationConfig& config, int trajectories, std::uint64_t seed) {
+  return simulateSessions({config}, trajectories, seed).front();
+}
+
+std::vector<Dataset> simulateSessions(const std::vector<SimulationConfig>& configs,
+                                      int trajectories, std::uint64_t seed) {
+  if (trajectories <= 0)
+    throw InvalidInput(format("%d trajectories to simulate, must be > 0", trajectories));
+  std::vector<Plan> plans;
+  for (std::size_t i = 0; i < configs.size(); ++i)
+    plans.push_back(planSession(configs[i], trajectories, seed + kSeedsPerArm * i));
+  std::vector<Dataset> datasets;
+  for (std::size_t i = 0; i < configs.size(); ++i) {
+    std::vector<Neighbour> neighbours;
+    for (std::size_t k = 0; k < configs.size(); ++k)
+      if (k != i && configs[k].robot.frame() == configs[i].robot.frame())
+        neighbours.emplace_back(configs[k], plans[k]);
+    datasets.push_back(
+        recordPlan(configs[i], plans[i], std::move(neighbours), seed + kSeedsPerArm * i));
+  }
+  return datasets;
 }
 
 Dataset simulateExcitation(const SimulationConfig& config, const ExcitationConfig& excitation,

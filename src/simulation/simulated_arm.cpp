@@ -20,6 +20,7 @@ SimulatedArm::SimulatedArm(const SimulationConfig& config, double start)
   if (config_.robot.size() == 0) throw InvalidInput("simulation " + config_.name + " has no robot");
   if (!(config_.step > 0.0))
     throw InvalidInput(format("simulation step = %g s, must be > 0", config_.step));
+  checkGripper(config_.gripper);
   for (const auto& effect : config_.effects) {
     delay_ += effect->delay();
     real_chain_ = effect->links(real_chain_);
@@ -45,6 +46,7 @@ void SimulatedArm::reset(double start, const JointVector& joints) {
   state_.active = {start, joints};
   state_.command_joints = joints;
   state_.last_stamp = -std::numeric_limits<double>::infinity();
+  state_.last_jaw_stamp = state_.last_stamp;
   state_.memory.assign(config_.effects.size(), joints);
   // Whatever comes in is what an effect remembers: every play in its middle, every lag at rest.
   const JointVector at_rest = load();
@@ -85,15 +87,35 @@ bool SimulatedArm::command(double stamp, const JointVector& joints) noexcept {
   return true;
 }
 
+bool SimulatedArm::commandJaw(double stamp, double opening) noexcept {
+  if (!std::isfinite(stamp) || !std::isfinite(opening) || stamp < state_.last_jaw_stamp ||
+      state_.pending_jaw.size() >= kMaxPending)
+    return false;
+  state_.last_jaw_stamp = stamp;
+  const GripperConfig& gripper = config_.gripper;
+  state_.pending_jaw.push_back({stamp, std::clamp(opening, gripper.lower, gripper.upper)});
+  return true;
+}
+
+/// Set-points and openings whose delay has passed become what the drives aim at.
+void SimulatedArm::activateDue() noexcept {
+  while (!state_.pending.empty() && state_.pending.front().stamp + delay_ <= state_.time) {
+    state_.active = state_.pending.front();
+    state_.pending.pop_front();
+  }
+  while (!state_.pending_jaw.empty() && state_.pending_jaw.front().stamp + delay_ <= state_.time) {
+    state_.gripper.target = state_.pending_jaw.front().opening;
+    state_.pending_jaw.erase(state_.pending_jaw.begin());
+  }
+}
+
 void SimulatedArm::advanceTo(double time) noexcept {
   while (state_.time < time) {
     // A step ends where a set-point changes, so a held set-point is constant during every step.
-    while (!state_.pending.empty() && state_.pending.front().stamp + delay_ <= state_.time) {
-      state_.active = state_.pending.front();
-      state_.pending.pop_front();
-    }
+    activateDue();
     double end = std::min(time, state_.time + config_.step);
     if (!state_.pending.empty()) end = std::min(end, state_.pending.front().stamp + delay_);
+    if (!state_.pending_jaw.empty()) end = std::min(end, state_.pending_jaw.front().stamp + delay_);
     if (!(end > state_.time)) end = std::nextafter(state_.time, time);
     step(end);
   }
@@ -111,7 +133,7 @@ JointVector SimulatedArm::setpointAt(double time) const noexcept {
 
 JointVector SimulatedArm::load() const noexcept {
   if (!needs_load_) return JointVector::Zero(config_.robot.size());
-  return gravityLoad(real_chain_, state_.joint, state_.payload);
+  return gravityLoad(real_chain_, state_.joint, state_.gripper.payload);
 }
 
 void SimulatedArm::runStages(const StepContext& context, bool at_reset, JointVector& q) noexcept {
@@ -144,11 +166,12 @@ void SimulatedArm::step(double end) noexcept {
   state_.setpoint = setpointAt(end);
   JointVector q = state_.setpoint;
   runStages(context, false, q);
+  advanceGripper(config_.gripper, context.step, state_.gripper);
 }
 
 JointVector SimulatedArm::encoderJoints() const noexcept {
   if (!config_.quantise_encoders || config_.coupling.empty()) return state_.motor;
-  return config_.coupling.quantised(config_.robot, state_.motor, state_.jaw);
+  return config_.coupling.quantised(config_.robot, state_.motor, state_.gripper.opening);
 }
 
 Pose SimulatedArm::toolPose() const noexcept {

@@ -149,6 +149,14 @@ void readMotionCapture(YamlReader reader, MotionCaptureConfig& config) {
   reader.refuseUnknownKeys();
 }
 
+void readGripper(YamlReader reader, GripperConfig& config) {
+  for (const GripperField& field : gripperFields())
+    reader.number(field.key, config.*field.value, field.lower, field.upper);
+  if (config.lower > config.upper)
+    reader.problem("lower", format("%g is above upper, %g", config.lower, config.upper));
+  reader.refuseUnknownKeys();
+}
+
 void readDebridement(YamlReader reader, DebridementConfig& config) {
   readVector(reader, "field_centre", config.field_centre, -1.0, 1.0);
   readVector(reader, "field_size", config.field_size, 0.0, 0.5);
@@ -226,7 +234,14 @@ SimulationConfig readSimulation(YamlReader& reader, SimulationConfig config, boo
     config.set(std::move(effect));
   }
   readMotionCapture(reader.section("motion_capture"), config.motion_capture);
+  readGripper(reader.section("gripper"), config.gripper);
   readDebridement(reader.section("debridement"), config.debridement);
+  const double grasp = config.gripper.grasp_opening;
+  if (!(config.debridement.jaw_closed < grasp && grasp <= config.debridement.jaw_open))
+    reader.problem("gripper.grasp_opening",
+                   format("%g is not between debridement.jaw_closed, %g, and debridement.jaw_open, "
+                          "%g: nothing would ever be grasped",
+                          grasp, config.debridement.jaw_closed, config.debridement.jaw_open));
   reader.refuseUnknownKeys();
   reader.throwIfAnyProblem();
   return config;
@@ -259,6 +274,9 @@ std::string simulationText(const SimulationConfig& config, const std::string& ro
           "\n    remote_centre: " + vectorText(rig.remote_centre) + "\n";
   for (const CameraRigField& field : cameraRigFields())
     text += std::string("    ") + field.key + ": " + number(rig.*field.value) + "\n";
+  text += "gripper:\n";
+  for (const GripperField& field : gripperFields())
+    text += std::string("  ") + field.key + ": " + number(config.gripper.*field.value) + "\n";
   const DebridementConfig& d = config.debridement;
   text += "debridement:\n  field_centre: " + vectorText(d.field_centre) +
           "\n  field_size: " + vectorText(d.field_size) +

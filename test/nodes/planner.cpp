@@ -18,6 +18,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/planner_node.h"
+#include "raven_correction/simulation/simulation_config.h"
 #include "support/node_main.h"
 #include "support/wait_for.h"
 
@@ -34,6 +35,7 @@ struct Heard {
   PoseStream desired;
   std::vector<TrajectoryEvent> events;
   std::vector<geometry_msgs::PoseArray> paths;
+  std::size_t jaw = 0;  // commands to it
 };
 
 /// Callbacks run in a spinner of two threads, so a call of ~run may wait for its answer.
@@ -55,6 +57,10 @@ class Planner : public ::testing::Test {
           const std::lock_guard<std::mutex> lock(mutex);
           heard.paths.push_back(*message);
         });
+    jaw_ = nh.subscribe<sensor_msgs::JointState>("jaw/servo_jp", 100, [this](const auto&) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      ++heard.jaw;
+    });
     progress_ = nh.subscribe<WorkProgress>("planner/progress", 100, [this](const auto& message) {
       const std::lock_guard<std::mutex> lock(mutex);
       progress = *message;
@@ -64,7 +70,7 @@ class Planner : public ::testing::Test {
     EXPECT_TRUE(waitFor(
         [this] {
           return desired_.getNumPublishers() > 0 && events_.getNumPublishers() > 0 &&
-                 paths_.getNumPublishers() > 0;
+                 paths_.getNumPublishers() > 0 && jaw_.getNumPublishers() > 0;
         },
         kLimit));
   }
@@ -112,7 +118,7 @@ class Planner : public ::testing::Test {
   WorkProgress progress;
 
  private:
-  ros::Subscriber desired_, events_, paths_, progress_;
+  ros::Subscriber desired_, events_, paths_, jaw_, progress_;
   ros::Publisher setpoint_;
 };
 
@@ -128,6 +134,7 @@ TEST_F(Planner, EventsEncloseTheCommandsOfTheirTrajectory) {
   const Heard all = runAndHear(3, 5);
   ASSERT_EQ(all.events.size(), 6u);
   ASSERT_EQ(all.paths.size(), 3u);
+  EXPECT_EQ(all.jaw, 0u) << "nothing to grasp on the way from one fragment to the next";
   for (std::size_t i = 0; i < 3; ++i) {
     const TrajectoryEvent& start = all.events[2 * i];
     const TrajectoryEvent& end = all.events[2 * i + 1];
@@ -281,6 +288,19 @@ TEST(PlannerParams, TheShippedFileHoldsTheDefaults) {
   EXPECT_EQ(shipped.motion.orientation_deviation, defaults.motion.orientation_deviation);
   for (const DebridementField& field : debridementFields())
     EXPECT_EQ(shipped.motion.*field.value, defaults.motion.*field.value) << field.key;
+}
+
+// What the planner of the right arm is told is what sessions of the simulated right arm do.
+TEST(PlannerParams, TheRightArmHasTheFieldOfItsSimulation) {
+  const PlannerParams params = loadPlannerParams(ros::NodeHandle("/shipped_right"));
+  std::string directory;
+  ASSERT_TRUE(ros::param::get("/configuration", directory));
+  const DebridementConfig simulated =
+      loadSimulationConfig(directory + "/simulation/raven2_right.yaml").debridement;
+  EXPECT_EQ(params.motion.field_centre, simulated.field_centre);
+  EXPECT_EQ(params.motion.receptacle, simulated.receptacle);
+  EXPECT_EQ(params.motion.box_lower, simulated.box_lower);
+  EXPECT_EQ(params.motion.box_upper, simulated.box_upper);
 }
 
 TEST(PlannerParams, AllProblemsAreNamedAtOnce) {

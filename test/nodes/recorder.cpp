@@ -147,7 +147,10 @@ TEST(RecorderNode, RecordsAllOfAKilohertzAndPairsEveryObservation) {
   auto command = arm.advertise<geometry_msgs::PoseStamped>("servo_cp");
   auto desired = arm.advertise<geometry_msgs::PoseStamped>("desired/servo_cp");
   auto seen = arm.advertise<geometry_msgs::PoseStamped>("mocap/measured_cp");
-  auto joints = arm.advertise<sensor_msgs::JointState>("measured_js");
+  std::vector<ros::Publisher> joints;
+  const std::vector<std::string> joint_topics{"measured_js", "jaw/servo_jp", "jaw/measured_js"};
+  for (const std::string& topic : joint_topics)
+    joints.push_back(arm.advertise<sensor_msgs::JointState>(topic));
   auto events = arm.advertise<TrajectoryEvent>("trajectory_event");
   std::vector<Pair> live;
   const auto pairs = arm.nh.subscribe<Pair>(
@@ -179,7 +182,8 @@ TEST(RecorderNode, RecordsAllOfAKilohertzAndPairsEveryObservation) {
     const double t = 1e-3 * k;
     command.publish(stampedPoseToMsg(start + t, screw(t), "0_link"));
     if (k % 20 == 0) desired.publish(stampedPoseToMsg(start + t, screw(t), "0_link"));
-    if (k % 10 == 0) joints.publish(sensor_msgs::JointState());
+    for (const ros::Publisher& publisher : joints)
+      if (k % 10 == 0) publisher.publish(sensor_msgs::JointState());
     for (; j < kSeen && j / 480.0 <= t; ++j)
       seen.publish(
           stampedPoseToMsg(start + j / 480.0, X_base_mocap.inverse() * screw(j / 480.0), "mocap"));
@@ -192,7 +196,7 @@ TEST(RecorderNode, RecordsAllOfAKilohertzAndPairsEveryObservation) {
   EXPECT_TRUE(arm.untilReceived("servo_cp", kCommands + 1));
   EXPECT_TRUE(arm.untilReceived("mocap/measured_cp", kSeen + static_cast<unsigned>(probes)));
   EXPECT_TRUE(arm.untilReceived("trajectory_event", 2));
-  EXPECT_TRUE(arm.untilReceived("measured_js", 301));
+  for (const std::string& topic : joint_topics) EXPECT_TRUE(arm.untilReceived(topic, 301));
   EXPECT_TRUE(arm.until([&] { return live.size() >= kSeen; }));
 
   const auto stopped = arm.stop();
@@ -206,7 +210,8 @@ TEST(RecorderNode, RecordsAllOfAKilohertzAndPairsEveryObservation) {
   EXPECT_EQ(read<PoseStamped>(stopped.bags, "desired/servo_cp").size(), 151u);
   EXPECT_EQ(read<PoseStamped>(stopped.bags, "mocap/measured_cp").size(),
             kSeen + static_cast<std::size_t>(probes));
-  EXPECT_EQ(read<sensor_msgs::JointState>(stopped.bags, "measured_js").size(), 301u);
+  for (const std::string& topic : joint_topics)
+    EXPECT_EQ(read<sensor_msgs::JointState>(stopped.bags, topic).size(), 301u) << topic;
   EXPECT_EQ(read<TrajectoryEvent>(stopped.bags, "trajectory_event").size(), 2u);
   const auto pairs_in_bag = read<Pair>(stopped.bags, "pairs");
   ASSERT_EQ(pairs_in_bag.size(), static_cast<std::size_t>(kSeen));

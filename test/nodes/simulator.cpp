@@ -57,7 +57,8 @@ class Simulator : public ::testing::Test {
         measured(nh, "measured_cp"),
         setpoint(nh, "setpoint_cp"),
         mocap(nh, "mocap/measured_cp"),
-        joints(nh, "measured_js") {
+        joints(nh, "measured_js"),
+        jaw(nh, "jaw/measured_js") {
     tf_ = nh.subscribe<tf2_msgs::TFMessage>("/tf_static", 10, [this](const auto& message) {
       for (const auto& transform : message->transforms)
         transforms[transform.child_frame_id] = transform;
@@ -113,7 +114,7 @@ class Simulator : public ::testing::Test {
 
   ros::NodeHandle nh;
   Listener<geometry_msgs::PoseStamped> measured, setpoint, mocap;
-  Listener<sensor_msgs::JointState> joints;
+  Listener<sensor_msgs::JointState> joints, jaw;
   std::map<std::string, geometry_msgs::TransformStamped> transforms;
   std::map<std::string, std::string> diagnostics;
   ros::Publisher servo;
@@ -134,6 +135,9 @@ TEST_F(Simulator, ReportsAtItsRatesInItsFrames) {
   EXPECT_EQ(mocap.last.header.frame_id, "mocap");
   EXPECT_EQ(joints.last.name.size(), 6u);
   EXPECT_EQ(joints.last.position.size(), joints.last.name.size());
+  EXPECT_NEAR(medianPeriodOf(jaw.stamps), 0.01, 1e-4);
+  EXPECT_EQ(jaw.last.name, std::vector<std::string>{"jaw"});
+  EXPECT_EQ(jaw.last.position.size(), 1u);
 }
 
 TEST_F(Simulator, PublishesTheRegistrationThatItsMotionCaptureIsIn) {
@@ -216,6 +220,37 @@ TEST_F(Simulator, TheReplayOfALatchedPublisherDoesNotMoveIt) {
   EXPECT_LT((setpointPose().p - before.p).norm(), 1e-9);
 }
 
+TEST_F(Simulator, TheJawOpensAndClosesOnWhatItHolds) {
+  const Pose before = setpointPose();
+  ros::Publisher command = nh.advertise<sensor_msgs::JointState>("jaw/servo_jp", 1);
+  ASSERT_TRUE(until([&] { return command.getNumSubscribers() > 0; }));
+  const auto opensTo = [&](double opening) {
+    return until([&] {
+      command.publish(
+          jointsToMsg(ros::Time::now().toSec(), {"jaw"}, Eigen::VectorXd::Constant(1, opening)));
+      return !jaw.last.position.empty() && jaw.last.position[0] == opening;
+    });
+  };
+  ASSERT_TRUE(opensTo(0.8));
+  EXPECT_TRUE(until([this] { return diagnostics["payload [g]"] == "0.000"; }));
+  ASSERT_TRUE(opensTo(0.0));
+  EXPECT_TRUE(until([this] { return diagnostics["payload [g]"] == "0.500"; }))
+      << diagnostics["payload [g]"];
+  ASSERT_TRUE(opensTo(0.8));
+  EXPECT_TRUE(until([this] { return diagnostics["payload [g]"] == "0.000"; }));
+  EXPECT_LT((setpointPose().p - before.p).norm(), 1e-9) << "the pose is not the jaw's business";
+
+  const long refused = counted("jaw commands refused");
+  ASSERT_TRUE(until([&] {
+    command.publish(
+        jointsToMsg(ros::Time::now().toSec(), {"jaw", "more"}, Eigen::Vector2d(0.0, 0.0)));
+    command.publish(
+        jointsToMsg(ros::Time::now().toSec(), {"jaw"}, Eigen::VectorXd::Constant(1, std::nan(""))));
+    return counted("jaw commands refused") > refused + 1;
+  }));
+  EXPECT_EQ(jaw.last.position[0], 0.8);
+}
+
 TEST_F(Simulator, LoadsAnotherSimulationAndKeepsItsOwnWhereItCannot) {
   std::string directory;
   ASSERT_TRUE(ros::param::get("/configuration", directory));
@@ -242,16 +277,20 @@ TEST_F(Simulator, LoadsAnotherSimulationAndKeepsItsOwnWhereItCannot) {
 TEST(SimulatorParams, TheShippedFileHoldsTheDefaults) {
   const SimulatorParams shipped = loadSimulatorParams(ros::NodeHandle("/shipped"));
   const SimulatorParams defaults;
-  EXPECT_EQ(shipped.seed, defaults.seed);
-  EXPECT_EQ(shipped.rates.measured_cp, defaults.rates.measured_cp);
-  EXPECT_EQ(shipped.rates.setpoint_cp, defaults.rates.setpoint_cp);
-  EXPECT_EQ(shipped.rates.measured_js, defaults.rates.measured_js);
-  EXPECT_EQ(shipped.base_frame, defaults.base_frame);
-  EXPECT_EQ(shipped.mocap_frame, defaults.mocap_frame);
-  EXPECT_EQ(shipped.gate.discard_first, defaults.gate.discard_first);
-  EXPECT_EQ(shipped.gate.max_step, defaults.gate.max_step);
-  EXPECT_EQ(shipped.gate.reject_step, defaults.gate.reject_step);
-  EXPECT_EQ(shipped.gate.stamp_tolerance, defaults.gate.stamp_tolerance);
+  ASSERT_EQ(shipped.arms.size(), 1u);
+  const SimulatedArmParams& arm = shipped.arms[0];
+  const SimulatedArmParams default_arm;
+  EXPECT_EQ(arm.name, "");
+  EXPECT_EQ(arm.seed, default_arm.seed);
+  EXPECT_EQ(arm.rates.measured_cp, default_arm.rates.measured_cp);
+  EXPECT_EQ(arm.rates.setpoint_cp, default_arm.rates.setpoint_cp);
+  EXPECT_EQ(arm.rates.measured_js, default_arm.rates.measured_js);
+  EXPECT_EQ(arm.base_frame, default_arm.base_frame);
+  EXPECT_EQ(arm.mocap_frame, default_arm.mocap_frame);
+  EXPECT_EQ(arm.gate.discard_first, default_arm.gate.discard_first);
+  EXPECT_EQ(arm.gate.max_step, default_arm.gate.max_step);
+  EXPECT_EQ(arm.gate.reject_step, default_arm.gate.reject_step);
+  EXPECT_EQ(arm.gate.stamp_tolerance, default_arm.gate.stamp_tolerance);
   EXPECT_EQ(shipped.loop_rate, defaults.loop_rate);
   EXPECT_EQ(shipped.clock_rate, defaults.clock_rate);
   EXPECT_EQ(shipped.clock_frequency, defaults.clock_frequency);
@@ -269,6 +308,34 @@ std::string refusal(const std::string& ns) {
 TEST(SimulatorParams, AllProblemsAreNamedAtOnce) {
   const std::string text = refusal("/bad");
   for (const char* part : {"~simulation", "~seed", "~measured_cp_rate", "did you mean clock_rate?"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
+}
+
+TEST(SimulatorParams, ArmsHaveWhatIsCommonAndWhatIsTheirOwn) {
+  const SimulatorParams params = loadSimulatorParams(ros::NodeHandle("/two_arms"));
+  ASSERT_EQ(params.arms.size(), 3u);
+  const SimulatedArmParams& left = params.arms[0];
+  const SimulatedArmParams& right = params.arms[1];
+  EXPECT_EQ(left.name, "left");
+  EXPECT_EQ(right.name, "right");
+  EXPECT_NE(left.simulation, right.simulation);
+  EXPECT_EQ(params.arms[2].simulation, left.simulation);
+  EXPECT_EQ(left.seed, 7) << "the common one";
+  EXPECT_EQ(right.seed, 8) << "the next";
+  EXPECT_EQ(params.arms[2].seed, 70) << "its own";
+  EXPECT_EQ(left.rates.measured_cp, 50.0);
+  EXPECT_EQ(right.rates.measured_cp, 25.0);
+  EXPECT_EQ(left.base_frame, "0_link");
+  EXPECT_EQ(right.base_frame, "right_base");
+  EXPECT_EQ(right.gate.base_frame, "right_base");
+  EXPECT_EQ(right.X_base_mocap.p, Eigen::Vector3d(1.0, 2.0, 3.0));
+}
+
+TEST(SimulatorParams, AllProblemsOfAllArmsAreNamedAtOnce) {
+  const std::string text = refusal("/bad_arms");
+  for (const char* part :
+       {"~arms", "\"a/b\" is not a letter", "\"left\" is there twice", "~left/simulation",
+        "~left/seed", "did you mean right/seed?", "~right/mocap_frame", "as that of left"})
     EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
 }
 

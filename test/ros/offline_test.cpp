@@ -242,6 +242,47 @@ TEST_F(OfflineTest, PredictAnswersEveryRowAndRefusesWhatIsNoPose) {
   EXPECT_EQ(lines[5].find("nan"), std::string::npos) << lines[5];
 }
 
+TEST_F(OfflineTest, SimulatesTwoArmsAtATime) {
+  const std::string left = "config/simulation/raven2_left_case2014.yaml";
+  const std::string right = "config/simulation/raven2_right.yaml";
+  const std::string l = folder_.path() + "/left", r = folder_.path() + "/right.bag";
+  ASSERT_EQ(offline({"simulate", "--simulation", left, "--simulation", right, "--trajectories", "3",
+                     "--seed", "3", "-o", l, "-o", r})
+                .code,
+            0);
+  EXPECT_EQ(readInput(l).arm, "raven2_left");
+  const Dataset a = readInput(l), b = readInput(r);
+  ASSERT_EQ(a.trajectories.size(), 3u);
+  ASSERT_EQ(b.trajectories.size(), 3u);
+  const auto middle = [](const Dataset& dataset) {
+    return dataset.trajectories[0].commands.front().pose.p.x();
+  };
+  EXPECT_NEAR(middle(a) - middle(b), 0.1086, 1e-3) << "each over its own half";
+  EXPECT_NEAR(a.trajectories[0].start(), b.trajectories[0].start(), 1e-6) << "at the same time";
+
+  const std::string more = folder_.path() + "/more";
+  expectRefused(offline({"simulate", "--simulation", left, "--simulation", right, "-o", more}),
+                "2 simulations and 1 outputs");
+  expectRefused(
+      offline({"simulate", "--simulation", left, "--simulation", right, "-o", more, "-o", more}),
+      "same output twice");
+  expectRefused(offline({"simulate", "--simulation", left, "--simulation", right, "--commands",
+                         session_, "-o", more, "-o", more + "2"}),
+                "once per arm");
+  EXPECT_FALSE(fs::exists(more));
+}
+
+TEST_F(OfflineTest, SimulatesASessionForIdentification) {
+  const std::string out = folder_.path() + "/excitation";
+  ASSERT_EQ(offline({"simulate", "--motion", "excitation", "--simulation",
+                     "config/simulation/nominal.yaml", "-o", out})
+                .code,
+            0);
+  const Dataset dataset = readDatasetDirectory(out);
+  EXPECT_EQ(dataset.trajectories.size(), 36u);
+  EXPECT_EQ(offline({"simulate", "--motion", "dance", "-o", out + "2"}).code, 2);
+}
+
 TEST_F(OfflineTest, ExperimentFidelityWritesItsRows) {
   const std::string json = folder_.path() + "/fidelity.json";
   const std::vector<std::string> command{"experiment",

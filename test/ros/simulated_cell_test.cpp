@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The reports of a simulated arm: how many there are in an interval, their stamps, and that they do
+// The reports of simulated arms: how many there are in an interval, their stamps, and that they do
 // not depend on how often one asks.
 #include "raven_correction/ros/simulated_cell.h"
 
@@ -21,6 +21,7 @@ void append(const CellReport& part, CellReport& all) {
   all.measured.insert(all.measured.end(), part.measured.begin(), part.measured.end());
   all.setpoint.insert(all.setpoint.end(), part.setpoint.begin(), part.setpoint.end());
   all.joints.insert(all.joints.end(), part.joints.begin(), part.joints.end());
+  all.jaw.insert(all.jaw.end(), part.jaw.begin(), part.jaw.end());
   all.mocap.insert(all.mocap.end(), part.mocap.begin(), part.mocap.end());
 }
 
@@ -61,6 +62,7 @@ TEST(SimulatedCell, ReportsAtItsRates) {
   for (std::size_t i = 1; i < all.mocap.size(); ++i)
     EXPECT_GE(all.mocap[i].stamp, all.mocap[i - 1].stamp);
   EXPECT_EQ(all.joints.front().positions.size(), simulation().robot.size());
+  EXPECT_EQ(all.jaw.size(), all.joints.size());
 }
 
 TEST(SimulatedCell, DoesNotDependOnHowOftenOneAsks) {
@@ -106,6 +108,11 @@ TEST(SimulatedCell, ResetGoesHomeAndRestartStaysWhereItIs) {
   ASSERT_TRUE(reproducesPose(cell.command({kStart, away})));
   cell.advanceTo(kStart + 1.0);
   ASSERT_LT((cell.arm().setpointPose().p - away.p).norm(), 1e-9);
+  ASSERT_TRUE(cell.commandJaw(kStart + 1.0, 0.8));
+  cell.advanceTo(kStart + 2.0);
+  ASSERT_TRUE(cell.commandJaw(kStart + 2.0, 0.0));
+  cell.advanceTo(kStart + 3.0);
+  ASSERT_GT(cell.arm().payload(), 0.0);
 
   cell.restart(kStart - 100.0);  // a bag that starts again
   EXPECT_LT((cell.arm().setpointPose().p - away.p).norm(), 1e-9);
@@ -113,8 +120,59 @@ TEST(SimulatedCell, ResetGoesHomeAndRestartStaysWhereItIs) {
   ASSERT_FALSE(after.measured.empty());
   EXPECT_EQ(after.measured.front().stamp, kStart - 100.0);
 
+  EXPECT_GT(cell.arm().payload(), 0.0) << "it does not let go because a clock jumped";
+
   cell.reset(kStart - 99.0);
   EXPECT_LT((cell.arm().setpointPose().p - home.p).norm(), 1e-12);
+  EXPECT_EQ(cell.arm().payload(), 0.0);
+}
+
+TEST(SimulatedCell, ReportsTheOpeningOfTheJaw) {
+  SimulatedCell cell(simulation(), {}, 1, kStart);
+  cell.advanceTo(kStart + 0.5);
+  ASSERT_TRUE(cell.commandJaw(kStart + 0.5, 0.8));
+  cell.advanceTo(kStart + 1.5);
+  EXPECT_EQ(cell.report().jaw.back().positions.size(), 1);
+  EXPECT_EQ(cell.report().jaw.back().positions(0), 0.8);
+}
+
+/// The frames of a left arm whose neighbour passes between it and a camera, asked for every `tick`.
+PoseStream framesBesideAnother(double tick) {
+  SimulationConfig left = loadSimulationConfig("config/simulation/nominal.yaml");
+  left.motion_capture.noise = 0.0;
+  left.motion_capture.camera_bias = 1e-3;
+  // So thick that it comes into a line of sight 67 to 87 mm away, and leaves it again.
+  SimulationConfig right = loadSimulationConfig("config/simulation/raven2_right.yaml");
+  right.motion_capture.rig.shaft_radius = 0.075;
+  SimulatedCell first(left, {}, 1, kStart);
+  SimulatedCell second(right, {}, 2, kStart);
+  const Pose home = second.arm().setpointPose();
+  PoseStream frames;
+  double next_command = kStart;
+  for (double now = kStart; now <= kStart + 2.0; now += tick) {
+    while (next_command <= now) {
+      Pose pose = home;
+      pose.p.x() += 0.03 * std::sin(3.0 * (next_command - kStart));
+      second.command({next_command, pose});
+      next_command += 0.02;
+    }
+    advanceTogether({&first, &second}, now);
+    const PoseStream& seen = first.report().mocap;
+    frames.insert(frames.end(), seen.begin(), seen.end());
+  }
+  return frames;
+}
+
+TEST(SimulatedCell, ANeighbourHidesLedsWhereItIsAtTheExposure) {
+  const PoseStream often = framesBesideAnother(1e-3);
+  const PoseStream seldom = framesBesideAnother(0.02);
+  int jumps = 0;
+  for (std::size_t i = 0; i < std::min(often.size(), seldom.size()); ++i) {
+    ASSERT_EQ(often[i].stamp, seldom[i].stamp);
+    EXPECT_LT((often[i].pose.p - seldom[i].pose.p).norm(), 1e-12) << i;
+    if (i > 0 && (often[i].pose.p - often[i - 1].pose.p).norm() > 1e-5) ++jumps;
+  }
+  EXPECT_GT(jumps, 0) << "the neighbour was in nobody's way";
 }
 
 TEST(SimulatedCell, RefusesARateItCannotKeep) {

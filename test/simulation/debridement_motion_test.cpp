@@ -45,6 +45,32 @@ TEST(DebridementMotion, CommandsAreSafeAndSmooth) {
   }
 }
 
+// Open on the way to a fragment, closed when the tool rests there, open again over the receptacle.
+TEST(DebridementMotion, TheJawGraspsAndLetsGoAtRest) {
+  const SimulationConfig config = shippedSimulation("nominal");
+  DebridementConfig d = config.debridement;
+  for (const double dwell : {0.5, 0.0}) {
+    d.dwell = dwell;
+    DebridementMotion motion(d, config.robot, 11);
+    double jaw = d.jaw_open;
+    for (int i = 0; i < 9; ++i) {
+      const DebridementTrajectory trajectory = motion.next(10.0);
+      ASSERT_EQ(trajectory.jaw.size(), trajectory.commands.size());
+      EXPECT_EQ(trajectory.jaw.front(), jaw) << "as the motion before left it";
+      EXPECT_EQ(trajectory.holding, jaw == d.jaw_closed);
+      for (std::size_t k = 0; k + 1 < trajectory.jaw.size(); ++k) {
+        if (trajectory.commands[k].stamp < trajectory.rest_start + 0.5 * dwell - 1e-9) {
+          EXPECT_EQ(trajectory.jaw[k], jaw);
+        }
+      }
+      jaw = trajectory.jaw.back();
+      const bool released = trajectory.kind == DebridementTrajectory::Kind::kMoveHolding;
+      EXPECT_EQ(jaw, released ? d.jaw_open : d.jaw_closed);
+    }
+    EXPECT_TRUE(motion.moveTo(motion.randomTarget(), 0.0).jaw.empty());
+  }
+}
+
 TEST(DebridementMotion, SpeedIsWhatWasSet) {
   const SimulationConfig config = shippedSimulation("nominal");
   DebridementConfig d = config.debridement;

@@ -293,18 +293,25 @@ TEST(Effects, CableStretchFollowsTheLoad) {
 
 // In the arm: the load is gravity, and a payload pulls further in the same direction.
 TEST(Effects, PayloadStretchesTheCable) {
-  const SimulationConfig config = simulationWith("cable_stretch", {{"s[insertion]", 0.001}});
+  SimulationConfig config = simulationWith("cable_stretch", {{"s[insertion]", 0.001}});
+  config.gripper.payload = 0.2;
   SimulatedArm arm(config, 0.0);
   const int insertion = config.robot.indexOf("insertion");
   arm.advanceTo(0.1);
   const double empty = arm.joints()(insertion);
   const JointVector load = gravityLoad(config.robot, arm.joints(), 0.0);
   EXPECT_NEAR(empty - config.robot.home()(insertion), 0.001 * load(insertion), 1e-12);
-  arm.setPayload(0.2);
-  arm.advanceTo(0.2);
+  ASSERT_TRUE(arm.commandJaw(0.1, 0.5));
+  arm.advanceTo(0.5);
+  EXPECT_NEAR(arm.joints()(insertion), empty, 1e-12) << "a jaw that is open holds nothing";
+  ASSERT_TRUE(arm.commandJaw(0.5, 0.0));
+  arm.advanceTo(1.0);
   const double pull = gravityLoad(config.robot, arm.joints(), 0.2)(insertion) - load(insertion);
   EXPECT_NEAR(arm.joints()(insertion) - empty, 0.001 * pull, 1e-9);
   EXPECT_GT(std::abs(pull), 1.0);
+  ASSERT_TRUE(arm.commandJaw(1.0, 0.5));
+  arm.advanceTo(1.5);
+  EXPECT_NEAR(arm.joints()(insertion), empty, 1e-9) << "let go of";
 }
 
 TEST(Effects, CreepApproachesItsEnd) {

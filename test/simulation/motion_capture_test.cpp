@@ -98,7 +98,7 @@ TEST(CameraRig, SightFollowsTheGeometry) {
   const Eigen::Vector3d middle = 0.5 * (kTool.p + rig.cameras()[2]);
   const Obstacle rod{middle - Eigen::Vector3d(0.0, 0.0, 0.2),
                      middle + Eigen::Vector3d(0.0, 0.0, 0.2), 0.03};
-  EXPECT_EQ(rig.sight(kTool, rod), (LedSight{kAll & ~4u, kAll & ~4u, kAll & ~4u}));
+  EXPECT_EQ(rig.sight(kTool, {rod}), (LedSight{kAll & ~4u, kAll & ~4u, kAll & ~4u}));
   Pose turned = kTool;  // the LEDs shine away from every camera
   turned.q = turned.q * Eigen::Quaterniond(0.0, 0.0, 1.0, 0.0);
   EXPECT_EQ(rig.sight(turned, {}), (LedSight{0, 0, 0}));
@@ -110,6 +110,25 @@ TEST(CameraRig, SightFollowsTheGeometry) {
   config.remote_centre = rig.cameras()[1];
   const LedSight own = CameraRig(config, 0.0, 1).sight(kTool, {});
   EXPECT_EQ(own[0], kAll & ~2u);
+}
+
+// Another arm that reaches between a tool and a camera hides it from that camera, as far as its
+// shaft goes; above its remote centre and beside it there is nothing.
+TEST(CameraRig, TheInstrumentOfAnotherArmHides) {
+  const CameraRig rig(CameraRigConfig(), 0.0, 1);
+  CameraRigConfig other;
+  other.shaft_radius = 0.02;  // no LED beside the thinner one
+  const Eigen::Vector3d between = kTool.p + 0.06 * (rig.cameras()[1] - kTool.p).normalized();
+  const Eigen::Vector3d up(0.0, 0.0, 0.1);
+  other.remote_centre = between + up;
+  const Pose through{between - up, kTool.q};
+  const Obstacle instrument = instrumentOf(other, through);
+  EXPECT_EQ(instrument.from, other.remote_centre);
+  EXPECT_EQ(instrument.to, through.p);
+  EXPECT_EQ(instrument.radius, other.shaft_radius);
+  EXPECT_EQ(rig.sight(kTool, {instrument})[0], kAll & ~2u);
+  const Pose drawn_back{between + 0.5 * up, kTool.q};
+  EXPECT_EQ(rig.sight(kTool, {instrumentOf(other, drawn_back)})[0], kAll);
 }
 
 TEST(CameraRig, TriangulationPutsAnLedWhereTheBiasPullsIt) {

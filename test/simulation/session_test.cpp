@@ -149,6 +149,88 @@ TEST(Session, BothArmsAreIndependent) {
   EXPECT_FALSE(equal(alone, other));
 }
 
+/// A right arm whose cameras lose nothing by chance, and a left one beside it.
+std::vector<SimulationConfig> besideEachOther() {
+  std::vector<SimulationConfig> arms{shippedSimulation("raven2_right"),
+                                     shippedSimulation("raven2_left_case2014")};
+  MotionCaptureConfig cameras;
+  cameras.rig = arms[0].motion_capture.rig;
+  cameras.noise = 0.0;
+  cameras.camera_bias = 1e-3;
+  cameras.camera_loss_rate = 0.0;
+  arms[0].motion_capture = cameras;
+  return arms;
+}
+
+TEST(Session, TwoArmsHideEachOtherFromTheCameras) {
+  const std::vector<SimulationConfig> arms = besideEachOther();
+  const std::vector<Dataset> together = simulateSessions(arms, 12, 5);
+  ASSERT_EQ(together.size(), 2u);
+  const Dataset alone = simulateSession(arms[0], 12, 5);
+  std::size_t hidden = 0;
+  std::size_t frames = 0;
+  for (std::size_t i = 0; i < alone.trajectories.size(); ++i) {
+    const Trajectory& a = alone.trajectories[i];
+    const Trajectory& b = together[0].trajectories[i];
+    ASSERT_EQ(a.encoders.size(), b.encoders.size());
+    for (std::size_t k = 0; k < a.encoders.size(); ++k)
+      EXPECT_EQ(a.encoders[k].pose.p, b.encoders[k].pose.p) << "they do not touch";
+    // Every frame alone is there together, unless fewer than two cameras are left.
+    std::size_t k = 0;
+    for (const StampedPose& seen : a.observations) {
+      ++frames;
+      if (k == b.observations.size() || b.observations[k].stamp != seen.stamp)
+        ++hidden;
+      else
+        hidden += b.observations[k++].pose.p != seen.pose.p ? 1 : 0;
+    }
+    EXPECT_EQ(k, b.observations.size());
+  }
+  std::printf("%zu of %zu frames are another's view\n", hidden, frames);
+  EXPECT_GT(hidden, 0u);
+  EXPECT_LT(hidden, frames / 2);
+}
+
+TEST(Session, ArmsWithoutACommonFrameAreOutOfEachOthersWay) {
+  std::vector<SimulationConfig> arms = besideEachOther();
+  const KinematicChain robot = arms[1].robot;
+  arms[1].robot = KinematicChain(robot.name(), "elsewhere", robot.baseTransform(), robot.joints(),
+                                 robot.toolTransform());
+  EXPECT_TRUE(equal(simulateSessions(arms, 12, 5)[0], simulateSession(arms[0], 12, 5)));
+}
+
+TEST(Session, EachArmOfTwoHasRandomNumbersOfItsOwn) {
+  const SimulationConfig left = shippedSimulation("raven2_left_case2014");
+  const SimulationConfig right = shippedSimulation("raven2_right");
+  const std::vector<Dataset> both = simulateSessions({left, right}, 4, 7);
+  EXPECT_TRUE(equal(both[0], simulateSessions({left, right}, 4, 7)[0]));
+  EXPECT_TRUE(equal(both[0], simulateSession(left, 4, 7))) << "nothing is in its way";
+  EXPECT_FALSE(equal(both[1], simulateSession(right, 4, 7))) << "the same as if alone";
+  EXPECT_EQ(both[1].arm, "raven2_right");
+}
+
+// In a session of the task the gripper holds the payload between grasp and release, and cables that
+// give way show it.
+TEST(Session, ThePayloadIsFeltBetweenGraspAndRelease) {
+  SimulationConfig light = simulationWith("cable_stretch", {{"s[insertion]", 0.001}});
+  SimulationConfig heavy = light;
+  light.gripper.payload = 0.0;
+  heavy.gripper.payload = 0.1;
+  const Dataset a = simulateSession(light, 6, 3);
+  const Dataset b = simulateSession(heavy, 6, 3);
+  for (std::size_t i = 0; i < a.trajectories.size(); ++i) {
+    // The last frame but those of the dwell: half-way through the motion.
+    const PoseStream& seen = a.trajectories[i].observations;
+    const std::size_t middle = seen.size() / 2;
+    const double sag = (seen[middle].pose.p - b.trajectories[i].observations[middle].pose.p).norm();
+    if (i % 3 == 0) {
+      EXPECT_LT(sag, 1e-9) << "on the way to a fragment";
+    } else {
+      EXPECT_GT(sag, 0.0005) << i;
+    }
+  }
+}
+
 TEST(Session, EncodersCountInWholeSteps) {
   SimulationConfig config = shippedSimulation("nominal");
   config.quantise_encoders = true;

@@ -70,6 +70,8 @@ TEST(SimulationConfig, SavedFileIsTheSameSimulation) {
     }
     for (const MotionCaptureField& field : motionCaptureFields())
       EXPECT_EQ(back.motion_capture.*field.value, config.motion_capture.*field.value);
+    for (const GripperField& field : gripperFields())
+      EXPECT_EQ(back.gripper.*field.value, config.gripper.*field.value);
     for (const DebridementField& field : debridementFields())
       EXPECT_EQ(back.debridement.*field.value, config.debridement.*field.value);
     EXPECT_EQ(back.debridement.field_centre, config.debridement.field_centre);
@@ -135,6 +137,7 @@ TEST(SimulationConfig, ListsEverythingThatIsWrong) {
       "    b: {elbow: 0.1}\n"
       "  - effect: backlash\n"
       "motion_capture: {rate: 0}\n"
+      "gripper: {lower: 1.0, upper: 0.5, payload: heavy, grasp_opening: -0.3, weight: 1}\n"
       "debridement: {orientation: [0, 0, 0, 2]}\n");
   for (const char* expected :
        {"name: missing", "stp: unknown key; did you mean step?", "\"bakclash\" is not one of:",
@@ -142,7 +145,9 @@ TEST(SimulationConfig, ListsEverythingThatIsWrong) {
         "effects[2].tau: \"late\" is not a number", "effects[3].c.elbow.elbow: a joint is not",
         "effects[3].c.elbow.toe: raven2_left has no such", "effects[4].g: must be a mapping",
         "effects[5].b: unknown key", "effects[6].effect: backlash is listed twice",
-        "motion_capture.rate: 0 is outside", "debridement.orientation"})
+        "motion_capture.rate: 0 is outside", "debridement.orientation",
+        "gripper.lower: 1 is above upper, 0.5", "gripper.payload: \"heavy\" is not a number",
+        "gripper.grasp_opening: -0.3 is not between", "gripper.weight: unknown key"})
     EXPECT_NE(message.find(expected), std::string::npos) << expected << "\n" << message;
 }
 

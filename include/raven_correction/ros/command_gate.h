@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which commands the controller of a Raven takes and which it drops in silence: the rules of the
+// Which poses the controller of a Raven takes and which it drops in silence: the rules of the
 // Berkeley and UW software, so that what works in simulation is not surprised by the robot.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <set>
 #include <string>
 
 #include "raven_correction/geometry/stream.h"
+#include "raven_correction/ros/arrival.h"
 
 namespace raven_correction {
 
@@ -17,7 +17,7 @@ struct CommandGateConfig {
   bool discard_first = true;      ///< Berkeley: the first command ever heard only starts a timer
   double max_step = 0.0;          ///< longer steps from the measured position are clipped [m]
   double reject_step = 0.0;       ///< longer steps are dropped [m]; 0 switches either rule off
-  double stamp_tolerance = 0.25;  ///< further from now, a command acts when it arrives [s]
+  double stamp_tolerance = 0.25;  ///< see Arrival [s]
 };
 
 enum class CommandVerdict {
@@ -50,9 +50,8 @@ class CommandGate {
  public:
   /// @throws InvalidInput  empty frame, or a number that is negative or not finite
   explicit CommandGate(const CommandGateConfig& config);
-  /// Judges one command and makes it what the controller acts on: clipped, and with a stamp that
-  /// never runs backwards. A stamp within stamp_tolerance of `now` is believed, so the time on the
-  /// network does not count; any other, 0 included, is replaced by `now`, as by a real controller.
+  /// Judges one command and makes it what the controller acts on: clipped, and with the stamp at
+  /// which it acts (Arrival::actingTime()).
   /// @param now       [s]
   /// @param measured  position of the tool by its encoders, in the base frame [m]
   CommandVerdict judge(double now, const Eigen::Vector3d& measured, ArrivedCommand& command);
@@ -66,9 +65,8 @@ class CommandGate {
 
  private:
   CommandGateConfig config_;
+  Arrival arrival_;
   bool heard_ = false;
-  double last_stamp_;
-  std::set<std::string> latched_publishers_;
   std::array<std::uint64_t, kCommandVerdicts> counts_{};
 };
 

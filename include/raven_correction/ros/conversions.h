@@ -7,6 +7,10 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/Vector3.h>
+#include <sensor_msgs/JointState.h>
+
+#include <string>
+#include <vector>
 
 #include "raven_correction/geometry/stream.h"
 
@@ -22,5 +26,10 @@ StampedPose stampedPoseFromMsg(const geometry_msgs::PoseStamped& msg) noexcept;
 /// @param stamp  [s]; not finite or negative becomes 0
 geometry_msgs::PoseStamped stampedPoseToMsg(double stamp, const Pose& pose,
                                             const std::string& frame);
+/// Positions alone.
+/// @param stamp  as in stampedPoseToMsg()
+/// @param names  one per position [rad or m]
+sensor_msgs::JointState jointsToMsg(double stamp, const std::vector<std::string>& names,
+                                    const Eigen::VectorXd& positions);
 
 }  // namespace raven_correction

@@ -29,7 +29,12 @@ class ParamReader {
   void numbers(const std::string& name, std::vector<double>& value, std::size_t count, double min,
                double max);
   void texts(const std::string& name, std::vector<std::string>& value);
+  /// A list of at most `max_count` different names: letters, digits and _, a letter first. Only
+  /// such are put into `value`.
+  void names(const std::string& name, std::vector<std::string>& value, std::size_t max_count);
 
+  /// A problem that only the caller sees.
+  void problem(const std::string& name, const std::string& text);
   /// Keys set under the private namespace that no call asked for are problems, too, with the
   /// nearest known name. Keys set by ROS itself and sub-namespaces given here are left alone.
   void refuseUnknownKeys(const std::vector<std::string>& known_namespaces = {});
@@ -42,7 +47,6 @@ class ParamReader {
   template <typename T>
   bool get(const std::string& name, T& value, const char* type);
   void remember(const std::string& name, const std::string& value);
-  void problem(const std::string& name, const std::string& text);
 
   ros::NodeHandle nh_;
   std::string node_;

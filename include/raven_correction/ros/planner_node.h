@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The node `planner`: moves the tool between random fragment positions and says where each motion
-// begins, where it is meant to end and when it has ended.
+// The node `planner`: moves the tool between random fragment positions, grasps and lets go there
+// where the motion is a debridement, and says where each motion begins, where it is meant to end
+// and when it has ended.
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -12,6 +13,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "raven_correction/RunPlanner.h"
 #include "raven_correction/WorkProgress.h"
@@ -53,7 +55,8 @@ class PlannerNode {
   bool onStop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
   Outcome runMotions(const RunPlanner::Request& request);
   std::optional<Pose> startPose();
-  bool play(const PoseStream& motion, double start, double& last_stamp);
+  bool play(const PoseStream& motion, const std::vector<double>& jaw, double start,
+            double& last_stamp);
   bool rest();
   void announce(const std::string& name, const DebridementTrajectory& trajectory, double start);
   void endOf(const std::string& name, const DebridementTrajectory& trajectory, double stamp,
@@ -73,6 +76,7 @@ class PlannerNode {
 
   ros::NodeHandle nh_;
   ros::Publisher desired_;
+  ros::Publisher jaw_;
   ros::Publisher path_;
   ros::Publisher event_;
   ros::Publisher progress_;

@@ -61,7 +61,17 @@ class Recorder {
   ~Recorder();  ///< closes a running recording in good order
 
  private:
-  enum Stream { kCommand, kDesired, kMocap, kEncoder, kJoints, kEvents, kStreamCount };
+  enum Stream {
+    kCommand,
+    kDesired,
+    kMocap,
+    kEncoder,
+    kJoints,
+    kJawCommand,
+    kJaw,
+    kEvents,
+    kStreamCount
+  };
   struct StreamState {
     std::string topic;  // relative: its name in the bag
     ros::Subscriber subscriber;
@@ -76,7 +86,6 @@ class Recorder {
   void onDesired(const geometry_msgs::PoseStampedConstPtr& message);
   void onMocap(const geometry_msgs::PoseStampedConstPtr& message);
   void onEncoder(const geometry_msgs::PoseStampedConstPtr& message);
-  void onJoints(const sensor_msgs::JointStateConstPtr& message);
   void onEvent(const TrajectoryEventConstPtr& message);
   void onStaticTransforms(const tf2_msgs::TFMessageConstPtr& message);
   bool onStart(StartRecording::Request& request, StartRecording::Response& response);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A simulated arm together with everything that reports about it, brought forward in time: which
-// samples of encoders, set-points and motion capture fall into an interval.
+// A simulated arm together with everything that reports about it, brought forward in time, alone or
+// beside others: which samples of encoders, set-points and motion capture fall into an interval.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,7 @@ struct CellReport {
   PoseStream measured;                ///< forward kinematics of the encoders, base frame
   PoseStream setpoint;                ///< what the controller aims at, base frame
   std::vector<StampedJoints> joints;  ///< of the encoders, in the order of the robot's joints
+  std::vector<StampedJoints> jaw;     ///< opening, one value [rad]; with `joints`
   PoseStream mocap;                   ///< the tool as motion capture saw it, base frame
 };
 
@@ -37,23 +38,31 @@ class SimulatedCell {
 
   /// See SimulatedArm::command().
   IkStatus command(const StampedPose& X_base_tool) noexcept { return arm_.command(X_base_tool); }
+  /// See SimulatedArm::commandJaw().
+  bool commandJaw(double stamp, double opening) noexcept { return arm_.commandJaw(stamp, opening); }
   /// Moves on and says what was reported meanwhile. Motion capture reports a frame when its stamp
   /// has come, so that latency delays the message, too.
   /// @param time  [s]; one before the last adds nothing
   /// @return valid until the next call
   const CellReport& advanceTo(double time);
+  /// What was reported while it was advanced last.
+  const CellReport& report() const noexcept { return report_; }
   /// Puts the arm back to rest at its homing position; reports go on from `start`.
   void reset(double start);
-  /// Goes on at `start` after the clock has jumped, with the arm where it is. Pending commands are
-  /// forgotten.
+  /// Goes on at `start` after the clock has jumped, with the arm where it is and what it holds.
+  /// Pending commands are forgotten.
   void restart(double start);
 
   const SimulatedArm& arm() const noexcept { return arm_; }
   double time() const noexcept { return arm_.time(); }
 
+  friend void advanceTogether(const std::vector<SimulatedCell*>& cells, double time);
+
  private:
   void restartReports(double start);
-  void reportAt(double time);
+  double nextReport() const noexcept;
+  void reportAt(double time, const std::vector<Obstacle>& obstacles);
+  void endReports(double time);
 
   ReportRates rates_;
   SimulatedArm arm_;
@@ -64,5 +73,11 @@ class SimulatedCell {
   std::deque<StampedPose> in_flight_;  // frames whose stamp has not come yet
   CellReport report_;
 };
+
+/// Moves on several arms that stand in one room, as advanceTo() does with one. At every exposure
+/// the instruments of the other arms are where they are at that instant, and hide what is behind
+/// them from the cameras, where the robots share a base frame. So reports do not depend on how
+/// often one asks.
+void advanceTogether(const std::vector<SimulatedCell*>& cells, double time);
 
 }  // namespace raven_correction

@@ -1,45 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The node `simulator`: stands where a robot controller and a motion-capture system stand, with
-// their topics, their rates and their rules.
+// The node `simulator`: stands where a robot controller and a motion-capture system stand, for one
+// arm or several, with their topics, their rates and their rules. Here is the controller's loop and
+// its clock; what one arm takes and reports is simulated_arm_port.h.
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
-#include <geometry_msgs/PoseStamped.h>
 #include <ros/ros.h>
-#include <std_srvs/Trigger.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "raven_correction/LoadModel.h"
-#include "raven_correction/ros/command_gate.h"
-#include "raven_correction/ros/simulated_cell.h"
+#include "raven_correction/ros/simulated_arm_port.h"
 #include "raven_correction/ros/simulator_clock.h"
 
 namespace raven_correction {
 
 struct SimulatorParams {
-  std::string simulation;  ///< simulation YAML; required
-  int seed = 1;            ///< of the motion capture's noise, in [0, 2^31)
-  ReportRates rates;
-  std::string base_frame = "0_link";  ///< of commands and of measured_cp
-  std::string mocap_frame = "mocap";  ///< of mocap/measured_cp
-  Pose X_base_mocap;                  ///< registration, published on /tf_static
-  CommandGateConfig gate;
+  /// One without a name, in the node's own namespace, or up to four with different ones (`arms`).
+  std::vector<SimulatedArmParams> arms;
   double loop_rate = 1000.0;       ///< of the controller [Hz, real time], in [50, 2000]
   double clock_rate = 0.0;         ///< simulated per real seconds; 0: follow the ROS clock
   double clock_frequency = 250.0;  ///< messages on /clock [Hz, real time], in [10, 1000]
 };
+/// What concerns an arm is read as ~NAME for all arms and as ~ARM/NAME for one. Where no ~ARM/seed
+/// is given, the arms count up from ~seed.
 /// @throws InvalidInput  lists all problems
 SimulatorParams loadSimulatorParams(const ros::NodeHandle& nh);
 
 /// One thread: callbacks are served in the controller's loop, so nothing is locked.
 class SimulatorNode {
  public:
-  /// @param nh      in the arm's namespace
-  /// @throws InvalidInput  the simulation file cannot be read
+  /// @param nh      in the arm's namespace, or above those of several
+  /// @throws InvalidInput  a simulation file cannot be read
   SimulatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                 const SimulatorParams& params);
   /// The controller's loop, until ROS shuts down.
@@ -48,37 +42,26 @@ class SimulatorNode {
  private:
   double now();
   void cycle(double time);
-  void publish(const CellReport& report);
-  void publishRegistration();
+  void follow(double time);
+  void publishRegistrations();
   void publishClock(double time, double steady);
-  void onCommand(const ros::MessageEvent<geometry_msgs::PoseStamped const>& event);
-  bool onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
-  bool onLoad(LoadModel::Request& request, LoadModel::Response& response);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   SimulatorParams params_;
-  SimulationConfig config_;
   std::unique_ptr<SimulatorClock> clock_;  // null: the ROS clock is followed
-  std::unique_ptr<SimulatedCell> cell_;    // null: the clock has not started
-  CommandGate gate_;
-  std::vector<std::string> joint_names_;
-  Pose X_mocap_base_;
+  std::vector<std::unique_ptr<SimulatedArmPort>> arms_;
+  double time_ = 0.0;        // of the cycle; 0: the clock has not started [s]
   double last_clock_ = 0.0;  // when /clock was published last, steady [s]
   std::uint64_t cycles_ = 0;
   std::uint64_t late_cycles_ = 0;
-  double worst_lateness_ = 0.0;  // of a cycle since the last diagnostics [s]
+  double worst_lateness_ = 0.0;        // of a cycle since the last diagnostics [s]
+  std::uint64_t reported_cycles_ = 0;  // at the last diagnostics
+  double reported_time_ = 0.0;         // [s]
 
   ros::NodeHandle nh_;
-  ros::Publisher measured_;
-  ros::Publisher setpoint_;
-  ros::Publisher joints_;
-  ros::Publisher mocap_;
   ros::Publisher clock_publisher_;
   tf2_ros::StaticTransformBroadcaster static_broadcaster_;
   diagnostic_updater::Updater diagnostics_;
-  ros::Subscriber command_;
-  ros::ServiceServer reset_;
-  ros::ServiceServer load_;
 };
 
 }  // namespace raven_correction

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "raven_correction/geometry/pose.h"
 
@@ -37,6 +38,10 @@ struct Obstacle {
   Eigen::Vector3d to = Eigen::Vector3d::Zero();
   double radius = 0.0;
 };
+/// The instrument of an arm as others' cameras meet it: its shaft, from its remote centre to the
+/// tool point. What is above the remote centre stands behind the field as the cameras see it.
+/// @param rig  of that arm: remote_centre and shaft_radius
+Obstacle instrumentOf(const CameraRigConfig& rig, const Pose& X_base_tool) noexcept;
 
 /// Each camera sees an LED displaced by a constant bias b_c of its own (what calibration leaves).
 /// An LED is put where the lines of sight pass it closest, with d_c the direction from camera to
@@ -59,8 +64,8 @@ class CameraRig {
   static Pose poseFromLeds(const std::array<Eigen::Vector3d, kLeds>& p_base_led);
 
   const std::array<Eigen::Vector3d, kCameras>& cameras() const noexcept { return p_base_camera_; }
-  /// By geometry: field of view, light cone, own shaft, obstacle.
-  LedSight sight(const Pose& X_base_tool, const std::optional<Obstacle>& obstacle) const noexcept;
+  /// By geometry: field of view, light cone, own shaft, obstacles.
+  LedSight sight(const Pose& X_base_tool, const std::vector<Obstacle>& obstacles) const noexcept;
   /// Where the cameras of `cameras` (bits) put an LED; nothing for fewer than two.
   std::optional<Eigen::Vector3d> triangulate(const Eigen::Vector3d& p_base_led,
                                              unsigned cameras) const noexcept;

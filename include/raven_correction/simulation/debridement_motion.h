@@ -29,6 +29,8 @@ struct DebridementConfig {
   double rate = 50.0;          ///< of commands [Hz]
   double pause = 0.2;          ///< commands before the motion starts, at rest [s]
   double dwell = 0.5;          ///< commands go on at the target for this long [s]
+  double jaw_open = 0.8;       ///< opening on the way to a fragment, and to let go of it [rad]
+  double jaw_closed = 0.0;     ///< opening that is commanded to hold it [rad]
 };
 
 /// Every scalar of the configuration with its key in YAML and its range.
@@ -44,10 +46,13 @@ const std::vector<DebridementField>& debridementFields();
 struct DebridementTrajectory {
   enum class Kind { kMoveTowardsFragment, kCheckPickup, kMoveHolding };
   Kind kind = Kind::kMoveTowardsFragment;
-  PoseStream commands;         ///< at `rate`, first stamp = the given start; ends with the dwell
-  Pose target;                 ///< where it comes to rest
-  double rest_start = 0.0;     ///< stamp from which on commands equal `target` [s]
-  bool holding = false;        ///< a fragment is in the gripper during the motion
+  PoseStream commands;      ///< at `rate`, first stamp = the given start; ends with the dwell
+  Pose target;              ///< where it comes to rest
+  double rest_start = 0.0;  ///< stamp from which on commands equal `target` [s]
+  bool holding = false;     ///< a fragment is in the gripper during the motion
+  /// Opening of the jaw that is commanded with each of `commands` [rad]; it changes in the middle
+  /// of the dwell, when the tool has come to rest. Empty: the motion leaves the jaw as it is.
+  std::vector<double> jaw;
   std::uint64_t fragment = 0;  ///< number of the fragment, from 0
 };
 /// "move_towards_foam", "check_pickup", "move_holding": the names of the measured session.
@@ -66,7 +71,8 @@ class DebridementMotion {
   DebridementTrajectory next(double start);
   /// A random pose over the field that the robot can reach, e.g. as a target of one's own.
   Pose randomTarget();
-  /// A motion from rest() to `target`, with the same speed profile; becomes the new rest.
+  /// A motion from rest() to `target`, with the same speed profile and without the jaw; becomes the
+  /// new rest.
   DebridementTrajectory moveTo(const Pose& target, double start);
 
  private:
@@ -80,6 +86,7 @@ class DebridementMotion {
   bool isReachable(const Pose& X_base_tool) const;
   Pose randomPose(const Eigen::Vector3d& centre, const Eigen::Vector3d& size);
   DebridementTrajectory follow(const std::vector<Pose>& waypoints, double start);
+  void addJaw(double before, double after, DebridementTrajectory& trajectory) const;
 
   DebridementConfig config_;
   KinematicChain robot_;

@@ -69,8 +69,8 @@ class MotionCapture {
   double nextExposure() const noexcept { return next_exposure_; }
   /// Takes the frame at nextExposure() and moves on to the next.
   /// @param X_base_tool  where the tool is at that instant
-  /// @param obstacle     another arm in the way, if there is one
-  MocapFrame capture(const Pose& X_base_tool, const std::optional<Obstacle>& obstacle = {});
+  /// @param obstacles    other arms that may be in the way, at that instant
+  MocapFrame capture(const Pose& X_base_tool, const std::vector<Obstacle>& obstacles = {});
   /// Covers cameras by hand (bit c), for tests and demonstrations.
   void coverCameras(unsigned cameras) noexcept { covered_ = cameras; }
   /// The next frame is at `start`, nothing is lost or swapped; the random state goes on.

@@ -18,6 +18,13 @@ namespace raven_correction {
 /// @throws InvalidInput  a bad configuration (see DebridementMotion)
 Dataset simulateSession(const SimulationConfig& config, int trajectories, std::uint64_t seed);
 
+/// The same of several arms that work at the same time, one data set per arm. Each arm has random
+/// numbers of its own: the first those of simulateSession() with this seed. Where robots share a
+/// base frame, the instrument of each hides the LEDs of the others from the cameras (camera_rig.h);
+/// arms do not touch one another.
+std::vector<Dataset> simulateSessions(const std::vector<SimulationConfig>& configs,
+                                      int trajectories, std::uint64_t seed);
+
 /// A session made for identification: see excitation_motion.h. Ids end in joint and stroke time.
 /// @throws InvalidInput  a bad configuration
 Dataset simulateExcitation(const SimulationConfig& config, const ExcitationConfig& excitation,

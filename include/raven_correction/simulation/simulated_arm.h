@@ -23,18 +23,23 @@ struct ArmState {
     double stamp;        ///< of the command [s]
     JointVector joints;  ///< nominal inverse kinematics of its pose
   };
-  double start = 0.0;    ///< of the session; creep and shifts count from here [s]
-  double time = 0.0;     ///< [s]
-  double jaw = 0.0;      ///< opening angle; a pose does not hold it, it is carried along [rad]
-  double payload = 0.0;  ///< mass held by the gripper [kg]
-  JointVector setpoint;  ///< what the drives aim at now
-  JointVector motor;     ///< motor side in joint units: what the encoders see
-  JointVector joint;     ///< joint side: where the links are
-  Setpoint active;       ///< the command whose delay has passed last
-  std::deque<Setpoint> pending;     ///< commands that do not act yet, oldest first
-  JointVector command_joints;       ///< of the command taken last: the next one's seed
-  double last_stamp = 0.0;          ///< of the command taken last [s]
-  std::vector<JointVector> memory;  ///< one per effect
+  struct JawSetpoint {
+    double stamp;    ///< of the command [s]
+    double opening;  ///< [rad]
+  };
+  double start = 0.0;                    ///< of the session; creep and shifts count from here [s]
+  double time = 0.0;                     ///< [s]
+  JointVector setpoint;                  ///< what the drives aim at now
+  JointVector motor;                     ///< motor side in joint units: what the encoders see
+  JointVector joint;                     ///< joint side: where the links are
+  Setpoint active;                       ///< the command whose delay has passed last
+  std::deque<Setpoint> pending;          ///< commands that do not act yet, oldest first
+  JointVector command_joints;            ///< of the command taken last: the next one's seed
+  double last_stamp = 0.0;               ///< of the command taken last [s]
+  std::vector<JointVector> memory;       ///< one per effect
+  GripperState gripper;                  ///< a pose does not hold it: it is carried along
+  std::vector<JawSetpoint> pending_jaw;  ///< that do not act yet, oldest first
+  double last_jaw_stamp = 0.0;           ///< of the jaw command taken last [s]
 };
 
 /// Deterministic. Every operator is exact for set-points that are held, so results do not depend on
@@ -63,6 +68,11 @@ class SimulatedArm {
   /// @return false, and nothing changes: a stamp that runs backwards or is not finite, joints that
   ///         are not finite or of another number
   bool command(double stamp, const JointVector& joints) noexcept;
+  /// Takes a command for the jaw, which acts when a pose with this stamp would. An opening beyond
+  /// the gripper's limits stops at the limit. Poses leave the jaw as it is.
+  /// @param opening  [rad]
+  /// @return false, and nothing changes: a stamp that runs backwards, or a value that is not finite
+  bool commandJaw(double stamp, double opening) noexcept;
   /// Moves on to `time`; an earlier one than time() changes nothing. About 1 us per ms simulated.
   void advanceTo(double time) noexcept;
 
@@ -79,9 +89,9 @@ class SimulatedArm {
   const JointVector& motorJoints() const noexcept { return state_.motor; }
   const JointVector& joints() const noexcept { return state_.joint; }
 
-  double jaw() const noexcept { return state_.jaw; }
-  void setJaw(double angle) noexcept { state_.jaw = angle; }
-  void setPayload(double mass) noexcept { state_.payload = mass; }
+  /// Opening of the jaw [rad] and the mass that it holds [kg]; see gripper.h.
+  double jaw() const noexcept { return state_.gripper.opening; }
+  double payload() const noexcept { return state_.gripper.payload; }
 
   const ArmState& state() const noexcept { return state_; }
   void restore(const ArmState& state) { state_ = state; }
@@ -92,6 +102,7 @@ class SimulatedArm {
  private:
   bool accepts(double stamp) const noexcept;
   void enqueue(double stamp, const JointVector& joints) noexcept;
+  void activateDue() noexcept;
   StepContext contextOf(double end, double step, const JointVector& load) const noexcept;
   void step(double end) noexcept;
   void runStages(const StepContext& context, bool at_reset, JointVector& q) noexcept;

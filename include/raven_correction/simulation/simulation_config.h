@@ -12,6 +12,7 @@
 #include "raven_correction/robot/kinematic_chain.h"
 #include "raven_correction/simulation/debridement_motion.h"
 #include "raven_correction/simulation/effect.h"
+#include "raven_correction/simulation/gripper.h"
 #include "raven_correction/simulation/motion_capture.h"
 
 namespace raven_correction {
@@ -35,6 +36,7 @@ struct SimulationConfig {
   SetpointMode setpoints = SetpointMode::kHold;
   std::vector<std::shared_ptr<const Effect>> effects;  ///< each at most once, in acting order
   MotionCaptureConfig motion_capture;
+  GripperConfig gripper;
   DebridementConfig debridement;
 
   /// The effect of this name, or null.
