@@ -2,6 +2,7 @@
 #include "raven_correction/ros/master_watch.h"
 
 #include <ros/connection_manager.h>
+#include <ros/init.h>
 #include <ros/master.h>
 #include <ros/network.h>
 #include <ros/this_node.h>
@@ -57,15 +58,21 @@ MasterView askMaster(const std::string& topic) {
   return view;
 }
 
+// Asked for at the start: a node that is being shut down has no port any more.
+Registrations::Registrations()
+    : uri_(ros::XMLRPCManager::instance()->getServerURI()),
+      service_uri_("rosrpc://" + ros::network::getHost() + ":" +
+                   std::to_string(ros::ConnectionManager::instance()->getTCPPort())) {}
+
 bool Registrations::repeat() const {
-  const std::string uri = ros::XMLRPCManager::instance()->getServerURI();
   bool complete = true;
   for (const Topic& topic : topics_) {
     XmlRpc::XmlRpcValue arguments, answer;
     arguments[0] = ros::this_node::getName();
     arguments[1] = topic.name;
     arguments[2] = topic.datatype;
-    arguments[3] = uri;
+    arguments[3] = uri_;
+    if (!ros::ok()) return false;  // it has taken itself off the master's list
     if (!ask(topic.published ? "registerPublisher" : "registerSubscriber", arguments, answer)) {
       complete = false;
       continue;
@@ -73,15 +80,15 @@ bool Registrations::repeat() const {
     if (topic.published) continue;
     // An empty list would end connections to publishers that the master does not know yet.
     if (answer.getType() == XmlRpc::XmlRpcValue::TypeArray && answer.size() > 0)
-      tellOurselves(uri, topic.name, answer);
+      tellOurselves(uri_, topic.name, answer);
   }
   for (const std::string& service : services_) {
     XmlRpc::XmlRpcValue arguments, answer;
     arguments[0] = ros::this_node::getName();
     arguments[1] = service;
-    arguments[2] = "rosrpc://" + ros::network::getHost() + ":" +
-                   std::to_string(ros::ConnectionManager::instance()->getTCPPort());
-    arguments[3] = uri;
+    arguments[2] = service_uri_;
+    arguments[3] = uri_;
+    if (!ros::ok()) return false;
     complete = ask("registerService", arguments, answer) && complete;
   }
   return complete;

@@ -172,7 +172,7 @@ class CorrectorProcesses(unittest.TestCase):
         # Whoever is gone says nothing: no command is made up, none comes from a queue.
         until(lambda: planner.publisher.get_num_connections() == 0)
         commands = len(planner.commands)
-        self.start("corrector", enabled=True, model=model)
+        second = self.start("corrector", enabled=True, model=model)
         self.assertTrue(planner.corrects())
         stamps = [command.header.stamp for command in planner.commands[commands:]]
         self.assertEqual(stamps, sorted(set(stamps)))
@@ -180,6 +180,7 @@ class CorrectorProcesses(unittest.TestCase):
         after = [command.pose.position.x for command in planner.commands[commands:]]
         self.assertLessEqual(max(abs(b - a) for a, b in zip(after, after[1:])), 0.15 * 0.1 + 1e-9)
         # Without ~enabled a corrector that is started anew passes poses through.
+        kill(second)
         self.start("corrector")
         before = len(planner.statuses)
         self.assertTrue(until(lambda: any(status.code == CorrectionStatus.PASSED_OFF

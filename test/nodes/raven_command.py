@@ -428,12 +428,15 @@ class RavenCommandTest(unittest.TestCase):
         stopped = rospy.ServiceProxy("/raven/left/recorder/stop", StopRecording)()
         self.assertTrue(stopped.success, stopped.message)
         with rosbag.Bag(stopped.bags[0]) as bag:
-            desired = [(m.header.stamp, m.pose) for _, m, _ in bag.read_messages("desired/servo_cp")]
-            sent = [(m.header.stamp, m.pose) for _, m, _ in bag.read_messages("servo_cp")]
-        self.assertEqual(desired, wanted)
-        self.assertEqual([stamp for stamp, _ in sent], [stamp for stamp, _ in wanted])
-        for (_, pose), (_, original) in zip(sent, wanted):
-            self.assertAlmostEqual(pose.position.x, corrected(original, "L").position.x, delta=1e-12)
+            desired, sent = ([message for _, message, _ in bag.read_messages(topic)]
+                             for topic in ("desired/servo_cp", "servo_cp"))
+        self.assertEqual(len(desired), len(wanted))
+        self.assertEqual(len(sent), len(wanted))
+        for asked, command_sent, (stamp, pose) in zip(desired, sent, wanted):
+            self.assertEqual(asked.header.stamp.to_nsec(), stamp.to_nsec())
+            self.assertEqual(command_sent.header.stamp.to_nsec(), stamp.to_nsec())
+            self.assertEqual(str(asked.pose), str(pose))
+            self.assertAlmostEqual(command_sent.pose.position.x, corrected(pose, "L").position.x, delta=1e-12)
 
 
 if __name__ == "__main__":

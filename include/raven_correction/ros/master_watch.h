@@ -25,6 +25,8 @@ MasterView askMaster(const std::string& topic);
 /// What a node has told the master, to be told again. roscpp does so once only, at the start.
 class Registrations {
  public:
+  /// In a node that has been started: it has a node handle.
+  Registrations();
   void add(const std::string& topic, const std::string& datatype, bool published) {
     topics_.push_back({topic, datatype, published});
   }
@@ -37,6 +39,7 @@ class Registrations {
     std::string name, datatype;
     bool published;
   };
+  std::string uri_, service_uri_;
   std::vector<Topic> topics_;
   std::vector<std::string> services_;
 };
