@@ -195,8 +195,7 @@ TEST(Effects, MotorSaturationOfAMovingGoalDoesNotDependOnTheStep) {
 TEST(Effects, MotorSaturationKeepsItsDigitsInAShortStep) {
   Stage stage("motor_saturation", {{"T[tool_roll]", 0.1}});
   const int j = stage.robot().indexOf("tool_roll"), k = stage.robot().indexOf("insertion");
-  JointVector q = stage.robot().home();
-  q(k) += 1e-3;
+  const JointVector q = stage.robot().home() + 1e-3 * JointVector::Unit(6, k);
   const JointVector short_step = stage.apply(q, 2e-16);
   Stage other("motor_saturation", {{"T[tool_roll]", 0.1}});
   const JointVector longer_step = other.apply(q, 1e-9);
