@@ -22,11 +22,12 @@ class CorrectorClock : public ::testing::Test {
     rosgraph_msgs::Clock now;
     now.clock.fromSec(time);
     CorrectionStatus status;
+    double stamp = time;  // of every attempt another: a repetition would be dropped
     EXPECT_TRUE(probe_.until([&] {
       clock_.publish(now);
       if (std::abs(ros::Time::now().toSec() - time) > 1e-6) return false;
       geometry_msgs::PoseStamped message = probe_.message(kInside);
-      message.header.stamp.fromSec(time += 1e-4);
+      message.header.stamp.fromSec(stamp += 1e-4);
       status = probe_.send(message);
       return status.code != CorrectionStatus::REFUSED_STALE &&
              status.code != CorrectionStatus::REFUSED_FUTURE;
