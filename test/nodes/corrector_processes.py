@@ -174,6 +174,7 @@ class CorrectorProcesses(unittest.TestCase):
         commands = len(planner.commands)
         second = self.start("corrector", enabled=True, model=model)
         self.assertTrue(planner.corrects())
+        self.assertTrue(until(lambda: len(planner.commands) > commands + 20))
         stamps = [command.header.stamp for command in planner.commands[commands:]]
         self.assertEqual(stamps, sorted(set(stamps)))
         # After a restart the correction comes in anew, at its limited rate.

@@ -20,7 +20,9 @@ def bash(script, **variables):
     head = "set -euo pipefail\n" + "".join(f"{name}='{value}'\n" for name, value in settings.items())
     for library in ("report", "packages", "build"):
         head += f"source '{ROOT}/scripts/lib/{library}.sh'\n"
-    return subprocess.run(["bash", "-c", head + script], capture_output=True, text=True, check=False)
+    environment = {key: value for key, value in os.environ.items() if key != "RAVEN_SKIP_APT"}
+    return subprocess.run(["bash", "-c", head + script], capture_output=True, text=True, check=False,
+                          env=environment)
 
 
 class Run(unittest.TestCase):
