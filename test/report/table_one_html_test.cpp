@@ -8,21 +8,10 @@
 #include "raven_correction/report/table_one_report.h"
 #include "raven_correction/simulation/session.h"
 #include "report/page.h"
+#include "report/quick_training.h"
 
 namespace raven_correction {
 namespace {
-
-TrainingConfig quick() {
-  TrainingConfig config = loadTrainingConfig("config/trainer.yaml");
-  config.process.criterion = HyperCriterion::kLikelihood;
-  config.process.backend = GpBackend::kExact;
-  config.process.max_hyper_points = 80;
-  config.process.max_exact_points = 150;
-  config.process.groups = {{0, 1, 2, 3, 4, 5}};
-  config.process.ard = false;
-  config.tie_vectors = false;
-  return config;
-}
 
 struct Evaluated {
   Dataset dataset;
@@ -36,7 +25,7 @@ const Evaluated& evaluated() {
     all->dataset =
         simulateSession(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"), 10, 3);
     TableOneProblem problem;
-    problem.configurations = {{"paper", quick()}, {"best", quick()}};
+    problem.configurations = {{"paper", quickTraining()}, {"best", quickTraining()}};
     problem.observer = all->samples.observer();
     all->table = crossValidate(all->dataset, problem);
     all->page =

@@ -8,21 +8,10 @@
 #include "raven_correction/report/training_report.h"
 #include "raven_correction/simulation/session.h"
 #include "report/page.h"
+#include "report/quick_training.h"
 
 namespace raven_correction {
 namespace {
-
-TrainingConfig quick() {
-  TrainingConfig config = loadTrainingConfig("config/trainer.yaml");
-  config.process.criterion = HyperCriterion::kLikelihood;
-  config.process.backend = GpBackend::kExact;
-  config.process.max_hyper_points = 80;
-  config.process.max_exact_points = 150;
-  config.process.groups = {{0, 1, 2, 3, 4, 5}};
-  config.process.ard = false;
-  config.tie_vectors = false;
-  return config;
-}
 
 const Dataset& session() {
   static const Dataset dataset =
@@ -31,12 +20,12 @@ const Dataset& session() {
 }
 
 TEST(TrainingHtml, IsWellFormedAndSaysTheNumbersOfTheJson) {
-  const ValidatedTraining trained = trainAndValidate(session(), quick(), nullptr, 0.0);
+  const ValidatedTraining trained = trainAndValidate(session(), quickTraining(), nullptr, 0.0);
   TrainingPage page;
   page.model_file = "<model>.bag";
   page.held_out = trained.errors;
   page.judged = trained.verdict;
-  page.coverage = workspaceCoverage(session(), quick(), trained.training.model.delay);
+  page.coverage = workspaceCoverage(session(), quickTraining(), trained.training.model.delay);
   page.streams = streamHealth(session());
   const std::string html = withPlainSpaces(trainingHtml(trained.training, page, {}));
   EXPECT_EQ(problemsOf(html), "");
@@ -55,7 +44,7 @@ TEST(TrainingHtml, IsWellFormedAndSaysTheNumbersOfTheJson) {
 }
 
 TEST(WorkspaceCoverage, CountsWhatWasLearntFromAndSaysWhereToRecordMore) {
-  const TrainingConfig config = quick();
+  const TrainingConfig config = quickTraining();
   const WorkspaceCoverage all = workspaceCoverage(session(), config, 0.05);
   std::size_t commands = 0, kept = 0;
   for (const CoverageCell& cell : all.cells) {
