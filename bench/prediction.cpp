@@ -11,18 +11,18 @@ namespace {
 
 using namespace raven_correction;  // NOLINT: a program of one file
 
-/// Of the size of config/trainer.yaml: 2500 points, 24 features, 6 outputs, variance from 320.
+/// Of the size of config/trainer.yaml: 1500 points, 24 features, 6 outputs, variance from 256.
 const GpModel& model() {
   static const GpModel fitted = [] {
     std::mt19937_64 random(1);
     std::normal_distribution<double> normal;
-    Eigen::MatrixXd x(2500, 24), y(2500, 6);
+    Eigen::MatrixXd x(1500, 24), y(1500, 6);
     for (double& value : x.reshaped()) value = normal(random);
     for (Eigen::Index k = 0; k < y.cols(); ++k)
       y.col(k) = x.col(k).array().sin() + 0.1 * x.col(k + 6).array();
     GpConfig config;
     config.backend = GpBackend::kExact;
-    config.exact_variance_points = 320;
+    config.exact_variance_points = 256;
     config.max_hyper_points = 300;
     config.groups = {{0, 1, 2, 3, 4, 5}};
     return fitGp(x, y, config).model;

@@ -75,12 +75,15 @@ BENCHMARK(choleskyAgainstProduct)
     ->Iterations(5)
     ->Unit(benchmark::kMillisecond);
 
-/// A model of the size that config/trainer.yaml makes: 24 features, 6 outputs, variance from 320.
-struct DefaultModel {
-  static constexpr Eigen::Index kRows = 2500, kVariance = 320;
-  Eigen::MatrixXd x = normalMatrix(kRows + 400, 24, 1), y;
+/// The size that config/trainer.yaml makes: points, and how many of them give the variance.
+constexpr Eigen::Index kDefaultRows = 1500, kDefaultVariance = 256;
+
+/// A model of the corrector's kind, 24 features and 6 outputs, and 400 pairs more.
+struct CorrectorModel {
+  Eigen::MatrixXd x, y;
   GpModel model;
-  DefaultModel() : y(x.rows(), 6) {
+  CorrectorModel(Eigen::Index rows, Eigen::Index variance_rows)
+      : x(normalMatrix(rows + 400, 24, 1)), y(x.rows(), 6) {
     for (Eigen::Index k = 0; k < y.cols(); ++k)
       y.col(k) = x.col(k).array().sin() + 0.1 * x.col(k + 6).array();
     GpGroup group;
@@ -89,21 +92,16 @@ struct DefaultModel {
     group.signal_variance = Eigen::VectorXd::Ones(6);
     group.noise_variance = 0.02 * group.signal_variance;
     group.mean_weights = Eigen::MatrixXd::Zero(25, 6);
-    conditionExact(x.topRows(kRows).transpose(), y.topRows(kRows), group, kVariance);
+    conditionExact(x.topRows(rows).transpose(), y.topRows(rows), group, variance_rows);
     model.features = 24;
     model.outputs = 6;
     model.groups = {group};
   }
 };
-const DefaultModel& defaultModel() {
-  static const DefaultModel data;
-  return data;
-}
-
 /// 100 pairs into that model, and the model that comes out, ready to be queried.
 void add100Pairs(benchmark::State& state) {
-  const DefaultModel& data = defaultModel();
-  const Eigen::Index n = DefaultModel::kRows;
+  const Eigen::Index n = kDefaultRows;
+  const CorrectorModel data(n, kDefaultVariance);
   const OnlineProcess before(data.model, data.x.topRows(n), data.y.topRows(n), GpBackend::kExact);
   std::vector<double> wall;
   for (auto _ : state) {
@@ -124,10 +122,11 @@ void add100Pairs(benchmark::State& state) {
 }
 BENCHMARK(add100Pairs)->Iterations(15)->Unit(benchmark::kMillisecond);
 
-/// One query, six means and six variances: quantiles on the clock, and of the time in which this
-/// thread had a processor (on a busy machine the two differ).
+/// One query, six means and six variances, of a model of some points and some of them for the
+/// variance: quantiles on the clock, and of the time in which this thread had a processor (on a
+/// busy machine the two differ).
 void oneQuery(benchmark::State& state) {
-  const GpPredictor predictor(defaultModel().model);
+  const GpPredictor predictor(CorrectorModel(state.range(0), state.range(1)).model);
   const auto workspace = predictor.makeWorkspace();
   const Eigen::MatrixXd queries = normalMatrix(24, 256, 7);
   double mean[6], variance[6];
@@ -146,7 +145,12 @@ void oneQuery(benchmark::State& state) {
   state.counters["p50_busy_us"] = 1e6 * quantile(busy, 0.5);
   state.counters["p99_busy_us"] = 1e6 * quantile(busy, 0.99);
 }
-BENCHMARK(oneQuery)->Iterations(20000)->Unit(benchmark::kMicrosecond);
+BENCHMARK(oneQuery)
+    ->Args({kDefaultRows, kDefaultVariance})
+    ->Args({2000, 256})
+    ->Args({2500, 320})
+    ->Iterations(20000)
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 
