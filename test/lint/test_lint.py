@@ -203,6 +203,13 @@ class Lint(unittest.TestCase):
         self.assert_red(tools.check_headers_alone, name + ":1", "compile alone", build)
         self.write(name, SPDX + "struct A {};\n")
         self.assert_red(tools.check_headers_alone, name + ":1", "redefinition", build)
+        # The build compiles what a source includes first; that it may stand twice, it does not show.
+        self.write("src/regression/a.cpp", f'{SPDX}#include "raven_correction/geometry/a.h"\n')
+        self.assert_red(tools.check_headers_alone, name + ":1", "redefinition", build)
+        self.write(name, HEADER + "this the build would have refused\n")
+        self.assert_green(tools.check_headers_alone, build)
+        self.write("src/regression/a.cpp", f'{SPDX}#include <string>\n#include "raven_correction/geometry/a.h"\n')
+        self.assert_red(tools.check_headers_alone, name + ":1", "compile alone", build)
 
     def compile_database(self, flag):
         build = self.root / "build"

@@ -73,9 +73,12 @@ def cached(project, folder, names, fingerprint, work):
 
 
 def check_headers_alone(project):
-    """Each public header compiles alone, and twice in one file."""
+    """Each public header compiles alone, and twice in one file (the build shows the first of headers that a
+    source includes before all else)."""
     if project.build is None:
         raise Skipped("no build folder given")
+    shown = {f"include/{first[1]}" for name in compiled_sources(project)
+             if (first := re.search(r'^#include\s+["<]([^">]+)', project.text(name), re.MULTILINE))}
     # The folders in which the build finds the headers of others.
     folders = {folder for command in compiled_sources(project).values()
                for folder in re.findall(r"-isystem\s*(\S+)", command)}
@@ -84,6 +87,8 @@ def check_headers_alone(project):
                "-Werror", "-fopenmp", f"-I{project.root}/include", *others, "-x", "c++", "-"]
 
     def compile_alone(name):
+        if name in shown and "#pragma once" in project.text(name):
+            return
         header = name.split("/", 1)[1]
         result = run(project, *command, input=f'#include "{header}"\n' * 2)
         if result.returncode:
@@ -92,7 +97,7 @@ def check_headers_alone(project):
                           + (error[1] if error else result.stderr.strip()))
 
     yield from cached(project, "alone", project.matching(r"include/.*\.h"),
-                      lambda name: project.fingerprint(name, *command), compile_alone)
+                      lambda name: project.fingerprint(name, str(name in shown), *command), compile_alone)
 
 
 def compiled_sources(project):
