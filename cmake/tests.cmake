@@ -42,9 +42,10 @@ foreach(room ${core_rooms} plant ros)
     add_executable(${target} EXCLUDE_FROM_ALL ${room_tests})
     set_target_properties(${target} PROPERTIES OUTPUT_NAME test_${room})
     target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test)
-    target_include_directories(${target} SYSTEM PRIVATE ${LBFGSPP_INCLUDE_DIR})
+    target_include_directories(${target} SYSTEM PRIVATE ${LBFGSPP_INCLUDE_DIR} ${MATIO_INCLUDE_DIR})
     target_link_libraries(${target} ${library} yaml-cpp
-      nlohmann_json::nlohmann_json OpenMP::OpenMP_CXX GTest::gtest GTest::gtest_main)
+      nlohmann_json::nlohmann_json OpenMP::OpenMP_CXX ${MATIO_LIBRARY}
+      GTest::gtest GTest::gtest_main)
     add_dependencies(tests ${target})
     set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/gtest-${room}.xml)
     catkin_run_tests_target(gtest ${room} gtest-${room}.xml
