@@ -6,14 +6,15 @@ set -euo pipefail
 
 usage() {
   cat <<EOF
-usage: [ROS_NAMESPACE=/ARM] $0 OUT.png [SECONDS]
-  OUT.png  picture to write, 1280x960
-  SECONDS  how long rviz draws before the picture is taken; default 8
+usage: [ROS_NAMESPACE=/ARM] $0 OUT.png [SECONDS [CONFIG.rviz]]
+  OUT.png      picture to write, 1280x960
+  SECONDS      how long rviz draws before the picture is taken; default 8
+  CONFIG.rviz  what it shows, panels included; default: the shipped overlay.rviz without its panels
 Needs xvfb (xvfb-run), imagemagick (import, identify), rviz and rostopic.
 EOF
 }
 
-if [[ $# -lt 1 || $# -gt 2 || $1 == -* ]]; then
+if [[ $# -lt 1 || $# -gt 3 || $1 == -* ]]; then
   usage >&2
   exit 2
 fi
@@ -23,7 +24,11 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # The shipped configuration without its panels: the picture shows the scene.
 config=$(mktemp --suffix=.rviz)
 trap 'rm -f "$config"' EXIT
-sed '/^Panels:/,/^Visualization Manager:/{/^Visualization Manager:/!d}' "$here/../rviz/overlay.rviz" > "$config"
+if [[ -n ${3:-} ]]; then
+  cat -- "$3" > "$config"
+else
+  sed '/^Panels:/,/^Visualization Manager:/{/^Visualization Manager:/!d}' "$here/../rviz/overlay.rviz" > "$config"
+fi
 overlay=${ROS_NAMESPACE:-}/overlay
 overlay=/${overlay#/}
 

@@ -191,6 +191,9 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
     result.fates += cleaned.counts;
   }
 
+  for (std::size_t i = 0; i < pairs.samples.size(); ++i)
+    result.samples.push_back({pairs.samples[i].observation.p, fates[i]});
+
   RigidFitProblem rigid;
   rigid.rotation_length = config.rotation_length;
   const std::vector<std::size_t> kept = learntFrom(pairs, fates, config);

@@ -23,6 +23,10 @@ geometry_msgs::Vector3 vectorToMsg(const Eigen::Vector3d& v) noexcept {
   return msg;
 }
 
+Eigen::Vector3d vectorFromMsg(const geometry_msgs::Vector3& msg) noexcept {
+  return {msg.x, msg.y, msg.z};
+}
+
 geometry_msgs::Point pointToMsg(const Eigen::Vector3d& p) noexcept {
   geometry_msgs::Point msg;
   msg.x = p.x();

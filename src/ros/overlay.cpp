@@ -5,16 +5,19 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/params.h"
 #include "raven_correction/ros/pose_subscription.h"
 #include "raven_correction/ros/topics.h"
+#include "raven_correction/ros/training_markers.h"
 
 namespace raven_correction {
 namespace {
 
 constexpr double kWarningPeriod = 10.0;   // [s]
 constexpr double kClockTolerance = 0.01;  // a smaller step back is jitter [s]
+constexpr double kPacePeriod = 1.0;       // over which rate and latency are taken [s]
 constexpr std::uint32_t kQueue = 2000;
 
 }  // namespace
@@ -36,6 +39,8 @@ OverlayParams loadOverlayParams(const ros::NodeHandle& nh) {
   read.number("error_period", params.history.error_period, 0.02, 60.0);
   read.positive("axis_length", params.style.axis_length, 1.0);
   read.positive("text_height", params.style.text_height, 1.0);
+  read.number("exaggeration", params.style.exaggeration, 1.0, 100.0);
+  read.positive("error_scale", params.style.error_scale, 1.0);
   read.refuseUnknownKeys();
   read.throwIfAnyProblem();
   params.base_frame = withoutSlash(params.base_frame);
@@ -54,6 +59,8 @@ Overlay::Overlay(ros::NodeHandle nh, const OverlayParams& params)
       registration_(params.base_frame),
       history_(params.history) {
   publisher_ = nh_.advertise<visualization_msgs::MarkerArray>(topics::kOverlay, 2);
+  training_publisher_ =
+      nh_.advertise<visualization_msgs::MarkerArray>(topics::kOverlayModel, 1, true);
   const auto pose = [&](const char* topic, const std::string& type, auto callback) {
     subscribers_.push_back(
         subscribePose(nh_, topic, type, kQueue,
@@ -64,6 +71,7 @@ Overlay::Overlay(ros::NodeHandle nh, const OverlayParams& params)
   pose(topics::kMocap, params.mocap_pose_type, &Overlay::onObserved);
   subscribers_.push_back(nh_.subscribe(topics::kStatus, kQueue, &Overlay::onStatus, this));
   subscribers_.push_back(nh_.subscribe(topics::kModel, 1, &Overlay::onModel, this));
+  subscribers_.push_back(nh_.subscribe(topics::kSamples, 1, &Overlay::onSamples, this));
   std::string names = "overlay: listens to";
   for (const ros::Subscriber& subscriber : subscribers_) names += " " + subscriber.getTopic();
   ROS_INFO_STREAM(names << ", publishes " << publisher_.getTopic());
@@ -116,12 +124,49 @@ void Overlay::onObserved(const geometry_msgs::PoseStampedConstPtr& message) {
 void Overlay::onStatus(const CorrectionStatusConstPtr& message) {
   status_ = message;
   status_arrived_ = ros::SteadyTime::now();
+  pace_.add(status_arrived_, message->compute_time);
   history_.addStatus(message->header.stamp.toSec(), isCorrectedCode(message->code));
+}
+
+void Overlay::Pace::add(const ros::SteadyTime& now, double compute_time) {
+  if (since.isZero() || (now - since).toSec() > 2.0 * kPacePeriod) *this = Pace{now};
+  ++count;
+  worst = std::max(worst, compute_time);
+  const double elapsed = (now - since).toSec();
+  if (elapsed < kPacePeriod) return;
+  rate = count / elapsed;
+  slowest = worst;
+  since = now;
+  count = 0;
+  worst = 0.0;
 }
 
 void Overlay::onModel(const CorrectionModelConstPtr& message) {
   model_ = message;
   history_.setDelay(message->delay);
+  drawTraining();
+}
+
+void Overlay::onSamples(const TrainingSamplesConstPtr& message) {
+  samples_ = message;
+  drawTraining();
+}
+
+/// Samples of another training than that of the model are drawn, too: they may be of one that was
+/// not better.
+void Overlay::drawTraining() {
+  std::optional<Predictor> predictor;
+  try {
+    if (model_) predictor.emplace(modelFromMsg(*model_));
+  } catch (const InvalidInput& error) {
+    ROS_WARN("overlay: the model's error field is not drawn: %s", error.what());
+  }
+  if (samples_ && samples_->header.frame_id != params_.base_frame)
+    ROS_WARN("overlay: training samples are in %s, not in %s; they are not drawn",
+             samples_->header.frame_id.c_str(), params_.base_frame.c_str());
+  const bool here = samples_ && samples_->header.frame_id == params_.base_frame;
+  training_publisher_.publish(makeTrainingMarkers(
+      here ? samples_.get() : nullptr, predictor ? &*predictor : nullptr, params_.style));
 }
 
 void Overlay::watchClock() {
@@ -151,6 +196,9 @@ std::vector<std::string> Overlay::statusLines() const {
     lines.push_back("mode " + status_->mode + ": " + correctionCodeName(status_->code));
   else
     lines.push_back(status_ ? "corrector: silent" : "no corrector");
+  if (recent(status_arrived_) && pace_.rate > 0.0)
+    lines.push_back(
+        format("%.0f poses per second, at most %.0f us each", pace_.rate, 1e6 * pace_.slowest));
   lines.push_back(model_ ? "model " + model_->id : "no model");
   for (const bool corrected : {false, true}) {
     const MeanError mean = history_.mean(corrected);
@@ -177,6 +225,8 @@ void Overlay::onTimer() {
     if (view.desired) view.desired = error->desired;
     if (view.command) view.command = history_.commandAt(error->stamp - history_.delay());
   }
+  if (recent(status_arrived_) && isCorrectedCode(status_->code))
+    view.sd_position = vectorFromMsg(status_->sd_position);
   if (model_) {
     const auto& low = model_->workspace_min;
     const auto& high = model_->workspace_max;

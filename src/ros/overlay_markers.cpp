@@ -1,138 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/overlay_markers.h"
 
-#include <array>
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
-#include "raven_correction/CorrectionStatus.h"
+#include "overlay_painter.h"
+#include "raven_correction/correction/corrector.h"
 #include "raven_correction/error.h"
-#include "raven_correction/ros/conversions.h"
 
 namespace raven_correction {
 namespace {
 
-using visualization_msgs::Marker;
-using visualization_msgs::MarkerArray;
+using namespace overlay_painter;  // NOLINT: the pen of this file
 
 constexpr double kDegrees = 180.0 / M_PI;
-
-std_msgs::ColorRGBA colour(int r, int g, int b, double alpha = 1.0) {
-  std_msgs::ColorRGBA c;
-  c.r = static_cast<float>(r) / 255.0F;
-  c.g = static_cast<float>(g) / 255.0F;
-  c.b = static_cast<float>(b) / 255.0F;
-  c.a = static_cast<float>(alpha);
-  return c;
-}
-
-// Okabe and Ito, "Color Universal Design", 2008; grey for what is not a pose.
-const std_msgs::ColorRGBA kDesiredColour = colour(86, 180, 233);    // sky blue
-const std_msgs::ColorRGBA kCommandColour = colour(230, 159, 0);     // orange
-const std_msgs::ColorRGBA kObservedColour = colour(0, 158, 115);    // bluish green
-const std_msgs::ColorRGBA kUncorrectedColour = colour(213, 94, 0);  // vermillion
-const std_msgs::ColorRGBA kCorrectedColour = colour(240, 228, 66);  // yellow
-const std_msgs::ColorRGBA kGrey = colour(170, 170, 170);
-const std_msgs::ColorRGBA kWhite = colour(245, 245, 245);
-
-std_msgs::ColorRGBA faded(std_msgs::ColorRGBA c, double share) {
-  c.a = static_cast<float>(share);
-  return c;
-}
-
-struct TextLine {
-  std::string words;
-  std_msgs::ColorRGBA colour;
-};
-
-constexpr double kLineSpacing = 1.5;      // in capital letters; rviz itself spaces lines wider
-constexpr std::size_t kStatusLines = 10;  // shown at most
-
-class Painter {
- public:
-  Painter(const OverlayStyle& style, MarkerArray& array) : style_(style), array_(array) {}
-
-  /// A marker to fill in, or one that deletes its predecessor; ids count up in each namespace.
-  Marker& add(const std::string& ns, int type, bool shown) {
-    int id = 0;
-    for (const Marker& other : array_.markers) id += other.ns == ns ? 1 : 0;
-    array_.markers.emplace_back();
-    Marker& marker = array_.markers.back();
-    marker.header.frame_id = style_.frame;  // stamp 0: draw with the latest transform
-    marker.ns = ns;
-    marker.id = id;
-    marker.type = type;
-    marker.action = shown ? Marker::ADD : Marker::DELETE;
-    marker.pose.orientation.w = 1.0;
-    marker.lifetime = ros::Duration(style_.lifetime);
-    return marker;
-  }
-
-  void text(const std::string& ns, bool shown, const Eigen::Vector3d& p, const std::string& words,
-            const std_msgs::ColorRGBA& c, double scale = 1.0) {
-    Marker& marker = add(ns, Marker::TEXT_VIEW_FACING, shown && !words.empty());
-    marker.pose.position = pointToMsg(p);
-    marker.text = words;
-    marker.color = c;
-    marker.scale.z = style_.text_height * scale;
-  }
-
-  /// One marker per line, from the top down, always `count` of them.
-  void lines(const std::string& ns, const Eigen::Vector3d& top, const std::vector<TextLine>& lines,
-             std::size_t count, double scale) {
-    const double step = kLineSpacing * style_.text_height * scale;
-    for (std::size_t i = 0; i < count; ++i) {
-      const TextLine line = i < lines.size() ? lines[i] : TextLine{"", kWhite};
-      text(ns, !line.words.empty(), top - Eigen::Vector3d::UnitZ() * step * static_cast<double>(i),
-           line.words, line.colour, scale);
-    }
-  }
-
-  void arrow(const std::string& ns, bool shown, const Eigen::Vector3d& from,
-             const Eigen::Vector3d& to, double diameter, const std_msgs::ColorRGBA& c) {
-    const double length = (to - from).norm();
-    Marker& marker = add(ns, Marker::ARROW, shown && length > 1e-6);
-    marker.points = {pointToMsg(from), pointToMsg(to)};
-    marker.color = c;
-    marker.scale.x = diameter;                              // of the shaft
-    marker.scale.y = 2.5 * diameter;                        // of the head
-    marker.scale.z = std::min(4.0 * diameter, length / 2);  // length of the head
-  }
-
-  void axes(const std::string& ns, const std::optional<Pose>& pose, int shape,
-            const std_msgs::ColorRGBA& c) {
-    const Pose X = pose.value_or(Pose{});
-    // The observed pose is slim and long, so that it stays visible when it meets the desired one.
-    const bool slim = shape == Marker::CYLINDER;
-    const double L = style_.axis_length * (slim ? 1.35 : 1.0);
-    const std::array<double, 3> lengths{L, 0.75 * L, 0.5 * L};
-    for (int axis = 0; axis < 3; ++axis)
-      arrow(ns, pose.has_value(), X.p,
-            X * Eigen::Vector3d(Eigen::Vector3d::Unit(axis) *
-                                lengths[static_cast<std::size_t>(axis)]),
-            (slim ? 0.045 : 0.08) * L, c);
-    Marker& origin = add(ns, shape, pose.has_value());
-    origin.pose = poseToMsg(X);
-    origin.color = c;
-    origin.scale.x = origin.scale.y = origin.scale.z = 0.25 * L;
-    if (slim) {  // a disc
-      origin.scale.x = origin.scale.y = 0.5 * L;
-      origin.scale.z = 0.04 * L;
-    }
-  }
-
- private:
-  const OverlayStyle& style_;
-  MarkerArray& array_;
-};
+constexpr std::size_t kStatusLines = 12;  // shown at most
 
 /// Opacity from 0.15 for the oldest point of a trail to 1 for the newest.
 double freshness(std::size_t i, std::size_t n) {
   return 0.15 + 0.85 * static_cast<double>(i + 1) / static_cast<double>(n);
-}
-
-void addPoint(Marker& marker, const Eigen::Vector3d& p, const std_msgs::ColorRGBA& c) {
-  marker.points.push_back(pointToMsg(p));
-  marker.colors.push_back(c);
 }
 
 void drawTrails(const OverlayHistory& history, const OverlayStyle& style, Painter& paint) {
@@ -169,6 +56,69 @@ void drawTrails(const OverlayHistory& history, const OverlayStyle& style, Painte
   }
 }
 
+/// Where the arrow of an error ends: at the observed position, or beyond it where errors are
+/// exaggerated.
+Eigen::Vector3d tipOf(const TrackingError& error, const OverlayStyle& style) {
+  return error.desired.p + style.exaggeration * (error.observed.p - error.desired.p);
+}
+
+// Cividis (Nunez, Anderton, Renslow 2018), dark to bright: the colour-blind see the same order.
+const std::array<std_msgs::ColorRGBA, 4> kScale{colour(70, 120, 190), colour(124, 123, 120),
+                                                colour(187, 173, 108), colour(255, 234, 70)};
+
+/// Class of an error on the scale of colours and sizes.
+std::size_t classOf(double error, const OverlayStyle& style) {
+  const double share = error / style.error_scale * static_cast<double>(kScale.size());
+  return std::min(kScale.size() - 1, static_cast<std::size_t>(std::max(0.0, share)));
+}
+
+/// Where the tool was seen, in the colour and size of the error there, with a legend at `top`.
+void drawErrorTrail(const OverlayHistory& history, const OverlayStyle& style,
+                    const Eigen::Vector3d& top, Painter& paint) {
+  const bool any = !history.errors().empty();
+  for (std::size_t k = 0; k < kScale.size(); ++k) {
+    Marker& balls = paint.add("trail_error", Marker::SPHERE_LIST, true);
+    balls.color = kScale[k];
+    balls.scale.x = balls.scale.y = balls.scale.z =
+        style.axis_length * (0.08 + 0.06 * static_cast<double>(k));
+    for (const TrackingError& error : history.errors())
+      if (classOf(error.position(), style) == k)
+        balls.points.push_back(pointToMsg(error.observed.p));
+    if (balls.points.empty()) balls.action = Marker::DELETE;
+  }
+  std::vector<TextLine> legend{{any ? "error where the tool was seen" : "", kWhite}};
+  const double step = 1e3 * style.error_scale / static_cast<double>(kScale.size());
+  for (std::size_t k = 0; any && k < kScale.size(); ++k) {
+    const double low = step * static_cast<double>(k);
+    const char* const size[] = {"smallest", "small", "large", "largest"};
+    legend.push_back({k + 1 < kScale.size()
+                          ? format("%s balls: %g to %g mm", size[k], low, low + step)
+                          : format("%s balls: above %g mm", size[k], low),
+                      kScale[k]});
+  }
+  paint.lines("trail_error", top, legend, kScale.size() + 1, 0.9);
+}
+
+/// Two standard deviations of the predicted command each way: where it will turn out to have been
+/// right.
+void drawDeviation(const OverlayView& view, const OverlayStyle& style, Painter& paint) {
+  const bool shown = view.command && view.sd_position && view.sd_position->maxCoeff() > 0.0;
+  Marker& ball = paint.add("deviation", Marker::SPHERE, shown);
+  ball.color = faded(kCommandColour, 0.25);
+  const Eigen::Vector3d size = 4.0 * view.sd_position.value_or(Eigen::Vector3d::Zero());
+  const Pose centre = view.command.value_or(Pose{});
+  ball.pose.position = pointToMsg(centre.p);
+  ball.scale.x = std::max(1e-5, size.x());
+  ball.scale.y = std::max(1e-5, size.y());
+  ball.scale.z = std::max(1e-5, size.z());
+  paint.text("deviation", shown,
+             centre.p + Eigen::Vector3d(0.5 * size.x() + 2.0 * style.axis_length, 0.0, 0.0),
+             shown ? format("2 sigma: %.1f, %.1f, %.1f mm", 500.0 * size.x(), 500.0 * size.y(),
+                            500.0 * size.z())
+                   : "",
+             kCommandColour, 0.8);
+}
+
 void drawErrors(const OverlayView& view, const OverlayHistory& history, const OverlayStyle& style,
                 Painter& paint) {
   const double width = style.axis_length / 20.0;
@@ -180,7 +130,7 @@ void drawErrors(const OverlayView& view, const OverlayHistory& history, const Ov
     lines.color.a = corrected ? 1.0F : 0.65F;
     for (const TrackingError& error : history.errors()) {
       if (error.corrected != corrected) continue;
-      const Eigen::Vector3d from = error.desired.p, to = error.observed.p;
+      const Eigen::Vector3d from = error.desired.p, to = tipOf(error, style);
       lines.points.push_back(pointToMsg(from));
       lines.points.push_back(pointToMsg(to));
       if (corrected) continue;
@@ -196,10 +146,11 @@ void drawErrors(const OverlayView& view, const OverlayHistory& history, const Ov
 
   const TrackingError now = view.error.value_or(TrackingError{});
   const auto c = now.corrected ? kCorrectedColour : kUncorrectedColour;
-  paint.arrow("error", view.error.has_value(), now.desired.p, now.observed.p,
+  paint.arrow("error", view.error.has_value(), now.desired.p, tipOf(now, style),
               style.axis_length / 12.0, c);
   const Eigen::Vector3d above(0.0, 0.0, 2.2 * style.axis_length);
-  const std::string kind = now.corrected ? "corrected error" : "uncorrected error";
+  std::string kind = now.corrected ? "corrected error" : "uncorrected error";
+  if (style.exaggeration != 1.0) kind += format(", drawn %g times as long", style.exaggeration);
   const bool shown = view.error.has_value();
   paint.lines("error", now.observed.p + above,
               {{shown ? kind : "", c}, {shown ? errorText(now.position(), now.angle()) : "", c}}, 2,
@@ -241,6 +192,7 @@ MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
   drawWorkspace(view.workspace, style, paint);
   drawTrails(history, style, paint);
   drawErrors(view, history, style, paint);
+  drawDeviation(view, style, paint);
   paint.axes("desired", view.desired, Marker::SPHERE, kDesiredColour);
   paint.axes("command", view.command, Marker::CUBE, kCommandColour);
   paint.axes("observed", view.observed, Marker::CYLINDER, kObservedColour);
@@ -260,6 +212,11 @@ MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
     top = (view.workspace->min + view.workspace->max) / 2;
     top.z() = view.workspace->max.z() + style.axis_length;
   }
+  const double beside = 4.0 * style.axis_length;  // to the left of the scene
+  Eigen::Vector3d aside = anchor.p - beside * Eigen::Vector3d::UnitX();
+  if (view.workspace) aside = {view.workspace->min.x() - beside, top.y(), view.workspace->max.z()};
+  drawErrorTrail(history, style, aside, paint);
+
   std::vector<TextLine> status;
   for (const std::string& line : view.status) status.push_back({line, kWhite});
   const double height = kLineSpacing * style.text_height * 1.2;
@@ -269,47 +226,17 @@ MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
 }
 
 std::string correctionCodeName(std::uint8_t code) {
-  switch (code) {
-    case CorrectionStatus::CORRECTED:
-      return "corrected";
-    case CorrectionStatus::CORRECTED_FADED:
-      return "corrected, faded";
-    case CorrectionStatus::CORRECTED_LIMITED:
-      return "corrected, limited";
-    case CorrectionStatus::RIGID_ONLY:
-      return "rigid only";
-    case CorrectionStatus::PASSED_OFF:
-      return "passed: off";
-    case CorrectionStatus::PASSED_NO_MODEL:
-      return "passed: no model";
-    case CorrectionStatus::PASSED_OUTSIDE:
-      return "passed: outside the workspace";
-    case CorrectionStatus::PASSED_MODEL_FAULT:
-      return "passed: model fault";
-    case CorrectionStatus::PASSED_BETWEEN_ENDPOINTS:
-      return "passed: between endpoints";
-    case CorrectionStatus::REFUSED_NOT_FINITE:
-      return "REFUSED: not finite";
-    case CorrectionStatus::REFUSED_NOT_UNIT:
-      return "REFUSED: quaternion not unit";
-    case CorrectionStatus::REFUSED_FRAME:
-      return "REFUSED: unknown frame";
-    case CorrectionStatus::REFUSED_ZERO_STAMP:
-      return "REFUSED: stamp zero";
-    case CorrectionStatus::REFUSED_STALE:
-      return "REFUSED: stale";
-    case CorrectionStatus::REFUSED_FUTURE:
-      return "REFUSED: from the future";
-    case CorrectionStatus::REFUSED_TIME_BACKWARDS:
-      return "REFUSED: time runs backwards";
-    case CorrectionStatus::REFUSED_LATCHED:
-      return "REFUSED: latched";
-    default:
-      return format("code %u", code);
-  }
+  std::string name = correctorCodeName(static_cast<CorrectorCode>(code));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  if (isRefused(static_cast<CorrectorCode>(code)))  // what is not sent has to be seen
+    std::transform(name.begin(), name.begin() + 7, name.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return name;
 }
 
-bool isCorrectedCode(std::uint8_t code) { return code <= CorrectionStatus::RIGID_ONLY; }
+bool isCorrectedCode(std::uint8_t code) {
+  return code <= static_cast<std::uint8_t>(CorrectorCode::kRigidOnly);
+}
 
 std::string errorText(double position, double angle) {
   return format("%.2f mm, %.2f deg", 1e3 * position, kDegrees * angle);

@@ -3,8 +3,11 @@
 
 #include <filesystem>
 #include <limits>
+#include <map>
 
+#include "raven_correction/TrainingSamples.h"
 #include "raven_correction/error.h"
+#include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/offline.h"
@@ -24,6 +27,34 @@ void copyComponents(const ErrorSummary& summary, Array& position, Array& angle) 
     position[static_cast<std::size_t>(k)] = summary.mean_abs(k);
     angle[static_cast<std::size_t>(k)] = summary.mean_abs(3 + k);
   }
+}
+
+constexpr std::size_t kShownSamples = 3000;  // of a kind: for eyes
+
+/// What eyes can take in of the samples: of each fate at most kShownSamples, evenly.
+TrainingSamples samplesToMsg(const TrainingResult& training) {
+  TrainingSamples msg;
+  msg.header.stamp.fromSec(training.model.trained_at);
+  msg.header.frame_id = training.model.frame;
+  msg.model = training.model.id;
+  std::map<Fate, std::vector<const PlacedSample*>> of_fate;
+  for (const PlacedSample& sample : training.samples) of_fate[sample.fate].push_back(&sample);
+  for (const auto& [fate, samples] : of_fate) {
+    const bool kept = fate == Fate::kKept;
+    if (kept) {
+      msg.kept_count = static_cast<std::uint32_t>(samples.size());
+    } else {
+      msg.reason_names.push_back(fateName(fate));
+      msg.reason_counts.push_back(static_cast<std::uint32_t>(samples.size()));
+    }
+    const std::size_t shown = std::min(samples.size(), kShownSamples);
+    for (std::size_t i = 0; i < shown; ++i) {
+      const geometry_msgs::Point point = pointToMsg(samples[i * samples.size() / shown]->position);
+      (kept ? msg.kept : msg.rejected).push_back(point);
+      if (!kept) msg.reasons.push_back(static_cast<std::uint8_t>(msg.reason_names.size() - 1));
+    }
+  }
+  return msg;
 }
 
 }  // namespace
@@ -57,6 +88,7 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
       work_(private_nh_, "a training", "~retrain") {
   loadTrainingConfig(params_.configuration);  // a mistake in it is better found now than later
   model_publisher_ = nh_.advertise<CorrectionModel>(topics::kModel, 1, true);
+  samples_publisher_ = nh_.advertise<TrainingSamples>(topics::kSamples, 1, true);
   report_publisher_ = private_nh_.advertise<TrainingReport>("report", 1, true);
   if (!params_.model.empty()) goLive(readModelFile(params_.model));
   retrain_service_ = private_nh_.advertiseService("retrain", &TrainerNode::onRetrain, this);
@@ -174,6 +206,7 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
       response.message += "; not better, so the model in use stays (force: true overrides)";
   }
   response.seconds = work_.seconds();
+  samples_publisher_.publish(samplesToMsg(result.training));
   publishReport(result, response);
 }
 

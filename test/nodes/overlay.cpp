@@ -92,7 +92,7 @@ TEST_F(OverlayNode, ShowsTheErrorInBaseAndForgetsItWhenTheTopicsFallSilent) {
     off.header.stamp.fromSec(now);
     status.publish(off);
     return shown("error") != nullptr && shown("workspace") != nullptr &&
-           says("status", "mode off: passed: off");
+           says("status", "mode off: passed off");
   };
   ASSERT_TRUE(until(publishAndSeeError));
   EXPECT_TRUE(says("error", "uncorrected error"));
@@ -128,6 +128,8 @@ TEST(OverlayParameters, AreThoseOfTheShippedFile) {
   EXPECT_EQ(shipped.history.error_period, defaults.history.error_period);
   EXPECT_EQ(shipped.style.axis_length, defaults.style.axis_length);
   EXPECT_EQ(shipped.style.text_height, defaults.style.text_height);
+  EXPECT_EQ(shipped.style.exaggeration, defaults.style.exaggeration);
+  EXPECT_EQ(shipped.style.error_scale, defaults.style.error_scale);
 }
 
 }  // namespace

@@ -43,6 +43,7 @@ OverlayView fullView(const OverlayHistory& history) {
   view.desired = view.command = history.desired().back().pose;
   view.observed = history.observed().back().pose;
   view.error = history.errors().front();
+  view.sd_position = Eigen::Vector3d::Constant(0.001);
   view.workspace = OverlayBox{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}};
   view.status = {"mode full: corrected", "model m1"};
   return view;
@@ -53,11 +54,11 @@ TEST(OverlayMarkers, DrawEveryKindInItsOwnNamespaceWithAShapeOfItsOwn) {
   const auto kinds = byNamespace(makeOverlay(fullView(history), history, {}));
   for (const char* ns : {"desired", "command", "observed", "labels", "error", "errors_uncorrected",
                          "errors_corrected", "trail_desired", "trail_command", "trail_observed",
-                         "workspace", "status"}) {
+                         "trail_error", "deviation", "workspace", "status"}) {
     ASSERT_TRUE(kinds.count(ns)) << ns;
     std::set<int> ids;
     for (const Marker& marker : kinds.at(ns)) {
-      if (marker.ns != "status") {  // as many lines as there are
+      if (marker.ns != "status" && marker.ns != "trail_error") {  // as many as there are
         EXPECT_EQ(marker.action, Marker::ADD) << ns;
       }
       EXPECT_EQ(marker.header.frame_id, "0_link");
@@ -103,14 +104,48 @@ TEST(OverlayMarkers, DeleteExactlyWhatTheyNoLongerShow) {
   }
 }
 
-TEST(OverlayMarkers, NameEveryCode) {
-  for (int code = 0; code <= CorrectionStatus::REFUSED_LATCHED; ++code) {
-    if (code > CorrectionStatus::PASSED_BETWEEN_ENDPOINTS &&
-        code < CorrectionStatus::REFUSED_NOT_FINITE)
-      continue;  // no code of ours
-    const auto byte = static_cast<std::uint8_t>(code);
-    EXPECT_EQ(correctionCodeName(byte).find("code "), std::string::npos) << code;
+TEST(OverlayMarkers, ColourTheTrailByItsError) {
+  const OverlayHistory history = someHistory();
+  const auto balls = byNamespace(makeOverlay(fullView(history), history, {})).at("trail_error");
+  ASSERT_EQ(balls.size(), 4u + 5u);  // classes, then the legend
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double smaller = k > 0 ? balls[k - 1].scale.x : 0.0;
+    EXPECT_GT(balls[k].scale.x, smaller);  // not by colour alone
+    count += balls[k].points.size();
+    for (const auto& p : balls[k].points) EXPECT_EQ(k, p.y > 0.02 ? 3u : 0u);
   }
+  EXPECT_EQ(count, history.errors().size());
+  EXPECT_EQ(balls[5].text, "smallest balls: 0 to 5 mm");
+  EXPECT_EQ(balls[8].text, "largest balls: above 15 mm");
+}
+
+TEST(OverlayMarkers, DrawTwoSigmaAboutTheCommand) {
+  const OverlayHistory history = someHistory();
+  OverlayView view = fullView(history);
+  view.sd_position.reset();
+  EXPECT_EQ(byNamespace(makeOverlay(view, history, {})).at("deviation")[0].action, Marker::DELETE);
+  view.sd_position = Eigen::Vector3d(0.001, 0.002, 0.003);
+  const auto deviation = byNamespace(makeOverlay(view, history, {})).at("deviation");
+  EXPECT_NEAR(deviation[0].scale.y, 4.0 * 0.002, 1e-12);  // a diameter
+  EXPECT_EQ(deviation[0].pose.position.x, view.command->p.x());
+  EXPECT_EQ(deviation[1].text, "2 sigma: 2.0, 4.0, 6.0 mm");
+}
+
+TEST(OverlayMarkers, SayByHowMuchErrorsAreExaggerated) {
+  const OverlayHistory history = someHistory();
+  OverlayStyle style;
+  style.exaggeration = 3.0;
+  const auto error = byNamespace(makeOverlay(fullView(history), history, style)).at("error");
+  EXPECT_NEAR(error[0].points[1].y - error[0].points[0].y, 3.0 * 0.0241, 1e-12);
+  EXPECT_EQ(error[1].text, "uncorrected error, drawn 3 times as long");
+  EXPECT_EQ(error[2].text, "24.10 mm, 5.73 deg");
+}
+
+TEST(OverlayMarkers, NameEveryCode) {
+  EXPECT_EQ(correctionCodeName(CorrectionStatus::CORRECTED_FADED), "corrected faded");
+  EXPECT_EQ(correctionCodeName(CorrectionStatus::PASSED_OTHER_PUBLISHER), "passed other publisher");
+  EXPECT_EQ(correctionCodeName(CorrectionStatus::REFUSED_STALE), "REFUSED stale");
   EXPECT_TRUE(isCorrectedCode(CorrectionStatus::RIGID_ONLY));
   EXPECT_FALSE(isCorrectedCode(CorrectionStatus::PASSED_OFF));
 }

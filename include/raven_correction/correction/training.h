@@ -29,8 +29,16 @@ struct TrainingPairs {
 /// @throws InvalidInput  see synchronise()
 TrainingPairs makePairs(const Dataset& dataset, const TrainingConfig& config, double delay);
 
+/// Where the tool was seen in one pair, and what cleaning made of it.
+struct PlacedSample {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< observed, base frame [m]
+  Fate fate = Fate::kKept;
+};
+
 struct TrainingResult {
   Correction model;
+  std::vector<PlacedSample>
+      samples;        ///< every pair, in order; what has no command is not among them
   DelayResult delay;  ///< kNotRun where the delay was fixed
   FateCounts fates;   ///< of every observation sample: synchronisation and cleaning
   std::size_t identity_commands = 0;

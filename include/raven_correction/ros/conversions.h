@@ -21,6 +21,7 @@ Pose poseFromMsg(const geometry_msgs::Transform& msg) noexcept;
 geometry_msgs::Pose poseToMsg(const Pose& pose) noexcept;
 geometry_msgs::Transform transformToMsg(const Pose& pose) noexcept;
 geometry_msgs::Vector3 vectorToMsg(const Eigen::Vector3d& v) noexcept;
+Eigen::Vector3d vectorFromMsg(const geometry_msgs::Vector3& msg) noexcept;
 geometry_msgs::Point pointToMsg(const Eigen::Vector3d& p) noexcept;
 StampedPose stampedPoseFromMsg(const geometry_msgs::PoseStamped& msg) noexcept;
 /// @param stamp  [s]; not finite or negative becomes 0

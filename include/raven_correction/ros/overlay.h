@@ -14,6 +14,7 @@
 
 #include "raven_correction/CorrectionModel.h"
 #include "raven_correction/CorrectionStatus.h"
+#include "raven_correction/TrainingSamples.h"
 #include "raven_correction/ros/overlay_history.h"
 #include "raven_correction/ros/overlay_markers.h"
 #include "raven_correction/ros/registration.h"
@@ -46,6 +47,15 @@ class Overlay {
     ros::SteadyTime arrived;
   };
 
+  /// Rate of the statuses and the slowest of them, renewed every second.
+  struct Pace {
+    ros::SteadyTime since;
+    double rate = 0.0, slowest = 0.0;  // [1/s], [s]
+    unsigned count = 0;
+    double worst = 0.0;
+    void add(const ros::SteadyTime& now, double compute_time);
+  };
+
   std::optional<StampedPose> inBase(const char* topic, const geometry_msgs::PoseStamped& message,
                                     const std::string& default_frame);
   void onDesired(const geometry_msgs::PoseStampedConstPtr& message);
@@ -53,6 +63,8 @@ class Overlay {
   void onObserved(const geometry_msgs::PoseStampedConstPtr& message);
   void onStatus(const CorrectionStatusConstPtr& message);
   void onModel(const CorrectionModelConstPtr& message);
+  void onSamples(const TrainingSamplesConstPtr& message);
+  void drawTraining();
   void onTimer();
   void watchClock();
   bool recent(const ros::SteadyTime& arrived) const;
@@ -66,11 +78,13 @@ class Overlay {
   std::optional<Shown> desired_, command_, observed_;
   CorrectionStatusConstPtr status_;
   ros::SteadyTime status_arrived_;
+  Pace pace_;
   CorrectionModelConstPtr model_;
+  TrainingSamplesConstPtr samples_;
   std::map<std::string, std::string> unregistered_;  // topic to what is missing, while it is
   ros::Time last_time_;
 
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, training_publisher_;
   std::vector<ros::Subscriber> subscribers_;
   ros::WallTimer timer_;
 };

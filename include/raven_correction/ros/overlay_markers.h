@@ -18,6 +18,8 @@ struct OverlayStyle {
   double lifetime = 1.0;         ///< after which rviz removes a marker that is not renewed [s]
   double axis_length = 0.02;     ///< of the x axis of a pose; y has 3/4 of it, z half [m]
   double text_height = 0.006;    ///< of a capital letter [m]
+  double exaggeration = 1.0;     ///< how many times too long errors are drawn; said beside them [-]
+  double error_scale = 0.02;     ///< from here on an error has the last colour of trail_error [m]
 };
 
 struct OverlayBox {
@@ -30,20 +32,22 @@ struct OverlayView {
   /// In base, where they are recent. With an error: all of the instant of that error, a delay
   /// apart, so that what is seen on the screen is error and not lag.
   std::optional<Pose> desired, command, observed;
-  std::optional<TrackingError> error;   ///< the newest, where it is recent
-  std::optional<OverlayBox> workspace;  ///< where the model was trained
-  std::vector<std::string> status;      ///< lines of text above the scene
+  std::optional<TrackingError> error;          ///< the newest, where it is recent
+  std::optional<Eigen::Vector3d> sd_position;  ///< predicted deviation of the command, base [m]
+  std::optional<OverlayBox> workspace;         ///< where the model was trained
+  std::vector<std::string> status;             ///< lines of text above the scene
 };
 
 /// Namespaces, so that rviz can switch each kind: desired (axes, ball), command (axes, cube),
 /// observed (axes, disc), labels (what is what), error (arrow, its text in mm and degrees),
 /// errors_uncorrected (lines with heads), errors_corrected (lines without), trail_desired (line),
-/// trail_command (dashes), trail_observed (dots), workspace (dashed edges), status (text). Always
-/// the same markers: one that has nothing to show is a DELETE.
+/// trail_command (dashes), trail_observed (dots), trail_error (balls, larger and brighter with the
+/// error, with a legend), deviation (ellipsoid of two sigma about the command), workspace (dashed
+/// edges), status (text). Always the same markers: one that has nothing to show is a DELETE.
 visualization_msgs::MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
                                             const OverlayStyle& style);
 
-/// "corrected", "faded", "limited", ...: code of CorrectionStatus in a word or two.
+/// "corrected faded", "passed off", "REFUSED stale": code of CorrectionStatus in words.
 std::string correctionCodeName(std::uint8_t code);
 /// True for codes with which the command differs from the desired pose by the model's doing.
 bool isCorrectedCode(std::uint8_t code);

@@ -19,7 +19,9 @@ constexpr char kPairs[] = "pairs";               ///< synchronised, live
 constexpr char kTrajectoryEvent[] = "trajectory_event";        ///< start and end of trajectories
 constexpr char kModel[] = "correction/model";                  ///< latched
 constexpr char kStatus[] = "correction/status";                ///< one per desired pose
+constexpr char kSamples[] = "correction/samples";              ///< of the training, latched
 constexpr char kOverlay[] = "overlay";                         ///< markers for rviz
+constexpr char kOverlayModel[] = "overlay_model";              ///< of the model, latched
 constexpr char kRecorderParameters[] = "recorder/parameters";  ///< in bags only
 constexpr char kTfStatic[] = "/tf_static";                     ///< registration
 

@@ -59,7 +59,7 @@ class TrainerNode {
   std::mutex mutex_;
   std::vector<Correction> live_;  // every model that went live, newest last
 
-  ros::Publisher model_publisher_, report_publisher_;
+  ros::Publisher model_publisher_, samples_publisher_, report_publisher_;
   // Declared last: their callbacks use everything above.
   ros::ServiceServer retrain_service_, rollback_service_, load_service_, save_service_;
 };
