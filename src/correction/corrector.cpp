@@ -99,6 +99,19 @@ void Corrector::restart() noexcept {
   if (Live* const live = live_.load(std::memory_order_acquire)) live->estimator.reset();
 }
 
+/// What a hold takes back while no pose comes. Its end is not timed: all of the silence counts, so
+/// that a correction is never there again after a robot was homed.
+void Corrector::takeBackAfterHold(double stamp) noexcept {
+  if (!held_.exchange(false)) return;
+  if (hold_.load() != CorrectionHold::kNone) held_.store(true);  // goes on after this pose
+  const double silence = started_ ? stamp - last_stamp_ : std::numeric_limits<double>::infinity();
+  const double uncounted = silence - limits_.max_step_time;  // correct() counts the rest
+  if (!(uncounted > 0.0)) return;
+  approach(translation_, Eigen::Vector3d::Zero(), limits_.max_translation_rate * uncounted);
+  approach(rotation_, Eigen::Vector3d::Zero(), limits_.max_rotation_rate * uncounted);
+  commanded_ = false;  // who knows where the tool is now
+}
+
 /// Shortens the correction, axis by axis, where it would leave the box, or leave it further than
 /// the desired pose does: continuous, and zero stays zero.
 bool Corrector::keepInBox(const Eigen::Vector3d& desired,
@@ -205,6 +218,7 @@ CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired
     return output;
   }
 
+  takeBackAfterHold(stamp);
   Live* const live = live_.load(std::memory_order_acquire);
   // The estimator of a new model starts with its first pose, as at the start of a motion.
   if (live != nullptr) live->estimator.push(stamp, desired);

@@ -259,6 +259,48 @@ TEST_F(CorrectorTest, AHoldTakesTheCorrectionBackInSteps) {
   EXPECT_EQ(send(corrector, 152).code, CorrectorCode::kPassedOff);
 }
 
+/// The size of the correction of a pose that comes after a silence in which a hold began and ended.
+double afterHoldInSilence(const Correction& model, double silence, bool forgotten) {
+  Corrector corrector{CorrectorLimits()};
+  corrector.setModel(model);
+  corrector.setMode(CorrectorMode::kFull);
+  double stamp = 100.0;
+  for (int i = 0; i < 100; ++i, stamp += 0.02) corrector.correct(stamp, stamp, inside(0), false);
+  corrector.setHold(CorrectionHold::kRobotNotReady);
+  if (forgotten) corrector.restart();
+  corrector.setHold(CorrectionHold::kNone);
+  stamp += silence - 0.02;
+  return (corrector.correct(stamp, stamp, inside(0), false).command.p - inside(0).p).norm();
+}
+
+TEST_F(CorrectorTest, AHoldThatBeginsAndEndsInASilenceTakesTheCorrectionBack) {
+  const CorrectorLimits limits;
+  const double step = limits.max_translation_rate * limits.max_step_time;
+  Correction large = model_;
+  large.rigid.p.x() = 0.05;
+  const double full = afterHoldInSilence(large, 0.02, false);
+  EXPECT_GT(full, 0.045);
+  // An emergency stop and a homing: nothing is known of the tool, the correction comes in anew.
+  EXPECT_LE(afterHoldInSilence(large, 30.0, false), step + 1e-12);
+  EXPECT_LE(afterHoldInSilence(large, 0.02, true), step + 1e-12) << "the clock jumped back, too";
+  // One that lasts no longer than the pause of a slow planner does not make the command jump.
+  EXPECT_GT(afterHoldInSilence(large, 0.2, false), full - step);
+}
+
+TEST_F(CorrectorTest, AHoldThatOutlastsAPoseCountsInTheSilenceAfterIt) {
+  Corrector corrector{CorrectorLimits()};
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  for (int i = 0; i < 100; ++i) send(corrector, i);
+  corrector.setHold(CorrectionHold::kOtherPublisher);
+  send(corrector, 100);
+  corrector.setHold(CorrectionHold::kNone);
+  const CorrectorLimits limits;
+  const Pose desired = inside(0);
+  EXPECT_LE((corrector.correct(900.0, 900.0, desired, false).command.p - desired.p).norm(),
+            limits.max_translation_rate * limits.max_step_time + 1e-12);
+}
+
 TEST_F(CorrectorTest, TheGainIsAShareOfTheCorrection) {
   Corrector corrector(looseLimits());
   corrector.setModel(model_);

@@ -58,8 +58,13 @@ class Corrector {
   void setModel(const Correction& model);
   void setMode(CorrectorMode mode) noexcept { mode_.store(mode, std::memory_order_relaxed); }
   CorrectorMode mode() const noexcept { return mode_.load(std::memory_order_relaxed); }
-  /// Takes the correction back, at its limited rate, for as long as there is a reason.
-  void setHold(CorrectionHold hold) noexcept { hold_.store(hold, std::memory_order_relaxed); }
+  /// Takes the correction back, at its limited rate, for as long as there is a reason, also while
+  /// the planner is silent: a pose that comes after a silence finds it as if poses had gone on
+  /// coming.
+  void setHold(CorrectionHold hold) noexcept {
+    hold_.store(hold);
+    if (hold != CorrectionHold::kNone) held_.store(true);
+  }
   CorrectionHold hold() const noexcept { return hold_.load(std::memory_order_relaxed); }
   /// Takes effect with the next pose, at the limited rate.
   /// @param gain  share of the correction that is applied, 0 to 1 [-]
@@ -113,6 +118,7 @@ class Corrector {
 
   CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
 
+  void takeBackAfterHold(double stamp) noexcept;
   bool keepInBox(const Eigen::Vector3d& desired, Eigen::Vector3d& translation) const noexcept;
   std::uint8_t keepNearTool(double now, const Pose& desired) noexcept;
 
@@ -121,6 +127,7 @@ class Corrector {
   RobotReach reach_;
   std::atomic<CorrectorMode> mode_{CorrectorMode::kOff};
   std::atomic<CorrectionHold> hold_{CorrectionHold::kNone};
+  std::atomic<bool> held_{false};  // there was a hold since the last pose
   std::atomic<double> gain_{1.0}, max_translation_, max_rotation_;
   std::vector<std::unique_ptr<Live>> models_;  // of the thread that sets models
   std::atomic<Live*> live_{nullptr};
