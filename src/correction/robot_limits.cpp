@@ -61,7 +61,8 @@ double RobotReach::reachableShare(const Pose& desired, const Eigen::Vector3d& tr
     return reaches({desired.p + share * translation,
                     (desired.q * expRotation(share * rotation)).normalized()});
   };
-  if (reached(1.0) || !reached(0.0)) return 1.0;
+  if (reached(1.0)) return 1.0;
+  if (!reached(0.0)) return 0.0;
   double low = 0.0, high = 1.0;
   for (int i = 0; i < 7; ++i) {
     const double middle = 0.5 * (low + high);

@@ -97,6 +97,10 @@ TEST_F(RobotReachTest, TheLargestShareInReachIsFound) {
   const Eigen::Vector3d translation = chain_->forward(q).p - desired.p;
   EXPECT_NEAR(reach.reachableShare(desired, translation, Eigen::Vector3d::Zero()), 0.25, 0.01);
   EXPECT_EQ(reach.reachableShare(desired, -translation, Eigen::Vector3d::Zero()), 1.0);
+  // From out of reach into reach, and nowhere into reach.
+  const Pose beyond{desired.p + translation, desired.q};
+  EXPECT_EQ(reach.reachableShare(beyond, -translation, Eigen::Vector3d::Zero()), 1.0);
+  EXPECT_EQ(reach.reachableShare(beyond, translation, Eigen::Vector3d::Zero()), 0.0);
 }
 
 TEST_F(RobotReachTest, ACorrectorNeverSendsWhatTheJointsDoNotReach) {
@@ -169,6 +173,38 @@ TEST_F(RobotReachTest, WhatIsOutOfReachEvenSoIsRefusedUntilTheCorrectionIsTakenB
     }
   }
   EXPECT_EQ(output.code, CorrectorCode::kCorrectedLimited);
+}
+
+TEST_F(RobotReachTest, WhereThePlannerItselfIsOutOfReachItsPosePassesInTheEnd) {
+  const int insertion = chain_->indexOf("insertion");
+  JointVector q = chain_->home();
+  q(insertion) = chain_->lower()(insertion) + 0.03;
+  const Pose start = chain_->forward(q);
+  q(insertion) = chain_->lower()(insertion) - 0.02;
+  const Pose beyond = chain_->forward(q);
+  Correction model = simpleModel(VelocityKind::kNone);
+  model.process = {};
+  model.rigid = {0.02 * (beyond.p - start.p).normalized(), Eigen::Quaterniond::Identity()};
+  model.trust.workspace_min.setConstant(-1.0);
+  model.trust.workspace_max.setConstant(1.0);
+  CorrectorLimits limits;
+  limits.robot = limits_;
+  Corrector corrector(limits);
+  corrector.setModel(model);
+  corrector.setMode(CorrectorMode::kFull);
+  double stamp = 100.0;
+  for (int i = 0; i < 300; ++i, stamp += 1e-3) corrector.correct(stamp, stamp, start, false);
+  CorrectorOutput output = corrector.correct(stamp, stamp, beyond, false);
+  EXPECT_EQ(output.code, CorrectorCode::kRefusedUnreachable);
+  const auto steps = static_cast<int>(0.02 / (limits.max_translation_rate * 1e-3)) + 2;
+  for (int i = 0; i < steps; ++i) {
+    stamp += 1e-3;
+    output = corrector.correct(stamp, stamp, beyond, false);
+  }
+  EXPECT_EQ(output.code, CorrectorCode::kCorrectedLimited);
+  EXPECT_EQ(output.limits, kLimitReach);
+  EXPECT_EQ(output.command.p, beyond.p);
+  EXPECT_EQ(output.command.q.coeffs(), beyond.q.coeffs());
 }
 
 }  // namespace

@@ -91,7 +91,8 @@ class Corrector {
   ///   5. shorten the T in force so that the command is within robot.max_step and robot.max_turn of
   ///      the tool (or of the last command, where the tool is not known), and in the box; or no
   ///      further out than the desired pose is
-  ///   6. refuse what the joints do not reach even so: T is then taken back pose by pose
+  ///   6. refuse what the joints do not reach even so. T goes on changing pose by pose: where they
+  ///      do not reach the desired pose either it is taken back, and then that pose passes
   /// A refused pose changes no state, except in step 6. Unless the code is kCorrected*, kRigidOnly
   /// or kPassedOutside, and once a former correction has been taken back in steps, the command
   /// equals the desired pose bit for bit.

@@ -43,7 +43,7 @@ class RobotReach {
   /// allocation; some microseconds in closed form.
   bool reaches(const Pose& pose) noexcept;
   /// The largest s in [0, 1], to 1 %, with which the joints reach the desired pose moved by s times
-  /// a correction (translation in base, rotation vector in the tool frame); 1 where they reach
+  /// a correction (translation in base, rotation vector in the tool frame); 0 where they reach
   /// neither of its ends. Between a pose in reach and one out of reach one border is assumed.
   double reachableShare(const Pose& desired, const Eigen::Vector3d& translation,
                         const Eigen::Vector3d& rotation) noexcept;
