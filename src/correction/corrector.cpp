@@ -83,8 +83,9 @@ void Corrector::setMeasured(double now, const Pose& measured) noexcept {
 }
 
 void Corrector::skip(double stamp) noexcept {
-  started_ = true;
-  last_stamp_ = stamp;
+  discard();
+  stream_.started = true;
+  stream_.last_stamp = stamp;
 }
 
 void Corrector::setModel(const Correction& model) {
@@ -93,8 +94,9 @@ void Corrector::setModel(const Correction& model) {
 }
 
 void Corrector::restart() noexcept {
-  started_ = false;
-  commanded_ = false;
+  discard();
+  stream_.started = false;
+  stream_.commanded = false;
   measured_at_ = -std::numeric_limits<double>::infinity();
   if (Live* const live = live_.load(std::memory_order_acquire)) live->estimator.reset();
 }
@@ -102,14 +104,15 @@ void Corrector::restart() noexcept {
 /// What a hold takes back while no pose comes. Its end is not timed: all of the silence counts, so
 /// that a correction is never there again after a robot was homed.
 void Corrector::takeBackAfterHold(double stamp) noexcept {
-  if (!held_.exchange(false)) return;
-  if (hold_.load() != CorrectionHold::kNone) held_.store(true);  // goes on after this pose
-  const double silence = started_ ? stamp - last_stamp_ : std::numeric_limits<double>::infinity();
+  held_seen_ = held_.load();
+  if (!held_seen_) return;
+  const double silence =
+      next_.started ? stamp - next_.last_stamp : std::numeric_limits<double>::infinity();
   const double uncounted = silence - limits_.max_step_time;  // correct() counts the rest
   if (!(uncounted > 0.0)) return;
-  approach(translation_, Eigen::Vector3d::Zero(), limits_.max_translation_rate * uncounted);
-  approach(rotation_, Eigen::Vector3d::Zero(), limits_.max_rotation_rate * uncounted);
-  commanded_ = false;  // who knows where the tool is now
+  approach(next_.translation, Eigen::Vector3d::Zero(), limits_.max_translation_rate * uncounted);
+  approach(next_.rotation, Eigen::Vector3d::Zero(), limits_.max_rotation_rate * uncounted);
+  next_.commanded = false;  // who knows where the tool is now
 }
 
 /// Shortens the correction, axis by axis, where it would leave the box, or leave it further than
@@ -130,12 +133,13 @@ bool Corrector::keepInBox(const Eigen::Vector3d& desired,
 std::uint8_t Corrector::keepNearTool(double now, const Pose& desired) noexcept {
   if (!(limits_.robot.max_step > 0.0) && !(limits_.robot.max_turn > 0.0)) return 0;
   const bool known = now - measured_at_ <= limits_.max_measured_age && now >= measured_at_;
-  if (!known && !commanded_) return 0;
-  const Pose corrected{desired.p + translation_, desired.q * expRotation(rotation_)};
+  if (!known && !next_.commanded) return 0;
+  const Pose corrected{desired.p + next_.translation, desired.q * expRotation(next_.rotation)};
   const NearTool near =
-      keepNear(limits_.robot, known ? measured_ : last_command_, desired, corrected);
-  if (near.shortened_position) translation_ = near.command.p - desired.p;
-  if (near.shortened_orientation) rotation_ = logRotation(desired.q.conjugate() * near.command.q);
+      keepNear(limits_.robot, known ? measured_ : next_.last_command, desired, corrected);
+  if (near.shortened_position) next_.translation = near.command.p - desired.p;
+  if (near.shortened_orientation)
+    next_.rotation = logRotation(desired.q.conjugate() * near.command.q);
   std::uint8_t limits = 0;
   if (near.shortened_position || near.shortened_orientation) limits |= kLimitRobotStep;
   if (near.desired_beyond) limits |= kPlannerBeyond;
@@ -205,12 +209,28 @@ std::optional<CorrectorCode> Corrector::fault(double stamp, double now,
     return CorrectorCode::kRefusedStale;
   if (limits_.max_ahead > 0.0 && !(stamp - now <= limits_.max_ahead))
     return CorrectorCode::kRefusedFuture;
-  if (started_ && !(stamp > last_stamp_)) return CorrectorCode::kRefusedTimeBackwards;
+  if (stream_.started && !(stamp > stream_.last_stamp)) return CorrectorCode::kRefusedTimeBackwards;
   return std::nullopt;
 }
 
-CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired,
+/// The last prepare() was not committed: as if it had never been.
+void Corrector::discard() noexcept {
+  if (prepared_ && followed_ != nullptr) followed_->undo();
+  prepared_ = false;
+}
+
+void Corrector::commit() noexcept {
+  if (!prepared_) return;
+  prepared_ = false;
+  stream_ = next_;
+  if (!held_seen_) return;
+  held_.store(false);
+  if (hold_.load() != CorrectionHold::kNone) held_.store(true);  // and goes on after this pose
+}
+
+CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired,
                                    bool endpoint) noexcept {
+  discard();
   CorrectorOutput output;
   output.command = desired;
   if (const auto code = fault(stamp, now, desired)) {
@@ -218,10 +238,14 @@ CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired
     return output;
   }
 
+  next_ = stream_;
   takeBackAfterHold(stamp);
   Live* const live = live_.load(std::memory_order_acquire);
   // The estimator of a new model starts with its first pose, as at the start of a motion.
-  if (live != nullptr) live->estimator.push(stamp, desired);
+  followed_ = nullptr;
+  if (live != nullptr &&
+      live->estimator.push(stamp, desired) == MotionEstimator::Outcome::kAccepted)
+    followed_ = &live->estimator;
   Pose wanted;
   output = aim(live, desired, endpoint, wanted);
 
@@ -238,28 +262,30 @@ CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired
     if (share < 1.0) limits |= kLimitReach;
   }
   // The first pose of all may be corrected by as much as one after a long silence.
-  const double elapsed =
-      started_ ? std::min(stamp - last_stamp_, limits_.max_step_time) : limits_.max_step_time;
-  if (approach(translation_, translation, limits_.max_translation_rate * elapsed))
+  const double elapsed = next_.started ? std::min(stamp - next_.last_stamp, limits_.max_step_time)
+                                       : limits_.max_step_time;
+  if (approach(next_.translation, translation, limits_.max_translation_rate * elapsed))
     limits |= kLimitRate;
-  if (approach(rotation_, rotation, limits_.max_rotation_rate * elapsed)) limits |= kLimitRate;
+  if (approach(next_.rotation, rotation, limits_.max_rotation_rate * elapsed)) limits |= kLimitRate;
   limits |= keepNearTool(now, desired);
-  if (keepInBox(desired.p, translation_)) limits |= kLimitBox;
-  started_ = true;
-  last_stamp_ = stamp;
+  if (keepInBox(desired.p, next_.translation)) limits |= kLimitBox;
+  next_.started = true;
+  next_.last_stamp = stamp;
+  prepared_ = true;
 
-  const bool corrected = !(translation_.isZero(0.0) && rotation_.isZero(0.0));
+  const bool corrected = !(next_.translation.isZero(0.0) && next_.rotation.isZero(0.0));
   output.limits = limits;
   output.command = desired;
-  if (!translation_.isZero(0.0)) output.command.p += translation_;
-  if (!rotation_.isZero(0.0)) output.command.q = (desired.q * expRotation(rotation_)).normalized();
+  if (!next_.translation.isZero(0.0)) output.command.p += next_.translation;
+  if (!next_.rotation.isZero(0.0))
+    output.command.q = (desired.q * expRotation(next_.rotation)).normalized();
   if ((limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
   if (corrected && !reach_.reaches(output.command)) {
     output.code = CorrectorCode::kRefusedUnreachable;
     return output;
   }
-  last_command_ = output.command;
-  commanded_ = true;
+  next_.last_command = output.command;
+  next_.commanded = true;
   return output;
 }
 

@@ -70,26 +70,41 @@ std::optional<CorrectorCode> CorrectedArm::fault(const ArmRequest& request, doub
   return corrector_.fault(stamp, now, asked);
 }
 
-CorrectorOutput CorrectedArm::answer(const ArmRequest& request, double stamp, double now) noexcept {
+CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
+                                      double now) noexcept {
   CorrectorOutput output;
   output.command = request.pose;
+  next_known_ = known_;
+  prepared_ = Prepared::kNothing;
+  prepared_stamp_ = stamp;
   if (request.kind == ArmRequest::Kind::kInactive) {
     output.code = CorrectorCode::kPassedInactive;
     return output;
   }
   if (request.kind == ArmRequest::Kind::kRelative) {
-    known_position_ = known_orientation_ = false;  // increments add up in the controller
+    next_known_.position = next_known_.orientation = false;  // increments add up in the controller
   } else {
-    if (request.position) known_.p = request.pose.p;
-    if (request.orientation) known_.q = request.pose.q;
-    known_position_ |= request.position;
-    known_orientation_ |= request.orientation;
+    if (request.position) next_known_.pose.p = request.pose.p;
+    if (request.orientation) next_known_.pose.q = request.pose.q;
+    next_known_.position |= request.position;
+    next_known_.orientation |= request.orientation;
   }
-  if (known_position_ && known_orientation_)
-    return corrector_.correct(stamp, now, known_, isEndpoint(known_));
-  corrector_.skip(stamp);
+  if (next_known_.position && next_known_.orientation) {
+    prepared_ = Prepared::kCorrection;
+    return corrector_.prepare(stamp, now, next_known_.pose, isEndpoint(next_known_.pose));
+  }
+  prepared_ = Prepared::kSkip;
   output.code = CorrectorCode::kPassedNotAbsolute;
   return output;
+}
+
+void CorrectedArm::commit(bool sent) noexcept {
+  if (prepared_ == Prepared::kCorrection)
+    corrector_.commit();
+  else if (prepared_ == Prepared::kSkip)
+    corrector_.skip(prepared_stamp_);
+  prepared_ = Prepared::kNothing;
+  if (sent) known_ = next_known_;
 }
 
 void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
@@ -120,7 +135,7 @@ void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
 
 void CorrectedArm::restart() noexcept {
   corrector_.restart();
-  known_position_ = known_orientation_ = false;
+  known_ = {};
 }
 
 bool CorrectedArm::isEndpoint(const Pose& desired) const noexcept {

@@ -149,16 +149,20 @@ bool CorrectorNode::decide(bool readable, bool latched, double now, CommandReque
       outputs[i].code = refused[i].value_or(CorrectorCode::kRefusedWithOtherArm);
     return any;
   };
-  // All are looked at before any is corrected: a refused command changes nothing.
+  // All are looked at before any counts: a refused command changes nothing.
   for (std::size_t i = 0; i < arms_.size(); ++i)
     if (isAsked(request.arms[i])) refused[i] = arms_[i]->fault(request.arms[i], stamp, now);
   if (anyRefused()) return false;
   for (std::size_t i = 0; i < arms_.size(); ++i) {
     if (request.arms[i].kind == ArmRequest::Kind::kAbsent) continue;
-    outputs[i] = arms_[i]->answer(request.arms[i], stamp, now);
+    outputs[i] = arms_[i]->prepare(request.arms[i], stamp, now);
     if (isRefused(outputs[i].code)) refused[i] = outputs[i].code;
   }
-  return !anyRefused();
+  const bool sent = !anyRefused();
+  for (std::size_t i = 0; i < arms_.size(); ++i)
+    if (request.arms[i].kind != ArmRequest::Kind::kAbsent && (sent || refused[i]))
+      arms_[i]->commit(sent);
+  return sent;
 }
 
 template <typename Message>

@@ -9,6 +9,7 @@
 
 #include "raven_correction/error.h"
 #include "support/allocation_guard.h"
+#include "support/random_poses.h"
 #include "support/simple_model.h"
 
 namespace raven_correction {
@@ -120,6 +121,38 @@ TEST_F(CorrectorTest, EveryBadInputIsRefusedWithItsCodeAndChangesNothing) {
   undisturbed.setMode(CorrectorMode::kFull);
   for (int i = 0; i < 10; ++i) send(undisturbed, i);
   EXPECT_TRUE(same(send(corrector, 10).command, send(undisturbed, 10).command));
+}
+
+TEST_F(CorrectorTest, WhatIsPreparedAndNotSentChangesNothing) {
+  // With a limit about the last command, a hold, a silence and swaps: all that a pose may change.
+  CorrectorLimits limits;
+  limits.robot.max_step = 0.02;
+  Correction other = model_;
+  other.id = "other";
+  other.rigid.p.y() += 0.02;
+  Corrector disturbed(limits), undisturbed(limits);
+  std::mt19937_64 random(5);
+  double stamp = 100.0;
+  for (int i = 0; i < 600; ++i) {
+    for (Corrector* const corrector : {&disturbed, &undisturbed}) {
+      if (i == 20) corrector->setMode(CorrectorMode::kFull);
+      if (i == 50) corrector->setModel(model_);
+      if (i == 300) corrector->setModel(other);
+      if (i == 400) corrector->setHold(CorrectionHold::kOtherPublisher);
+      if (i == 403) corrector->setHold(CorrectionHold::kNone);
+      if (i == 550) corrector->restart();
+    }
+    stamp += i == 402 ? 0.3 : 0.005;
+    for (int k = 0; k < 3; ++k) {
+      const Pose unsent{inside(i).p + randomVector(random, 0.01), inside(i).q};
+      disturbed.prepare(stamp + 0.01 * k, stamp, unsent, false);
+    }
+    const CorrectorOutput a = disturbed.correct(stamp, stamp, inside(i), false);
+    const CorrectorOutput b = undisturbed.correct(stamp, stamp, inside(i), false);
+    ASSERT_EQ(a.code, b.code) << i;
+    ASSERT_TRUE(same(a.command, b.command)) << i;
+    disturbed.commit();  // once is enough
+  }
 }
 
 TEST_F(CorrectorTest, SizeIsLimitedAndSaysSo) {

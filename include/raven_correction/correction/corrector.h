@@ -100,7 +100,17 @@ class Corrector {
   /// @param now      the clock [s]
   /// @param desired  in the base frame
   /// @param endpoint  the pose is the first or last of a path (counts in mode endpoint only)
-  CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint) noexcept;
+  CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint) noexcept {
+    const CorrectorOutput output = prepare(stamp, now, desired, endpoint);
+    commit();
+    return output;
+  }
+  /// What correct() would answer; nothing of it counts unless commit() follows. For a message that
+  /// moves several arms and is sent whole or not at all.
+  CorrectorOutput prepare(double stamp, double now, const Pose& desired, bool endpoint) noexcept;
+  /// The command of the last prepare() was sent; or it was kRefusedUnreachable, and the correction
+  /// is taken back by a step. Nothing happens after any other refusal.
+  void commit() noexcept;
   /// A pose of this stream was forwarded without being corrected: a later one must be newer.
   void skip(double stamp) noexcept;
 
@@ -119,6 +129,7 @@ class Corrector {
 
   CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
 
+  void discard() noexcept;
   void takeBackAfterHold(double stamp) noexcept;
   bool keepInBox(const Eigen::Vector3d& desired, Eigen::Vector3d& translation) const noexcept;
   std::uint8_t keepNearTool(double now, const Pose& desired) noexcept;
@@ -133,14 +144,24 @@ class Corrector {
   std::vector<std::unique_ptr<Live>> models_;  // of the thread that sets models
   std::atomic<Live*> live_{nullptr};
 
+  /// What poses change.
+  struct Stream {
+    bool started = false;
+    double last_stamp = 0.0;
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< correction in force, base frame
+    Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     ///< rotation vector, tool frame
+    Pose last_command;
+    bool commanded = false;  ///< last_command is one
+  };
+
   // Of the live thread.
-  bool started_ = false;
-  double last_stamp_ = 0.0;
-  Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();  // correction in force, base frame
-  Eigen::Vector3d rotation_ = Eigen::Vector3d::Zero();     // rotation vector, tool frame
-  Pose measured_, last_command_;
+  Stream stream_;                        // of the poses that count
+  Stream next_;                          // after commit()
+  bool prepared_ = false;                // next_ is valid
+  bool held_seen_ = false;               // by next_
+  MotionEstimator* followed_ = nullptr;  // has the pose of next_, too; null: none has
+  Pose measured_;
   double measured_at_ = -std::numeric_limits<double>::infinity();
-  bool commanded_ = false;  // last_command_ is one
 };
 
 }  // namespace raven_correction

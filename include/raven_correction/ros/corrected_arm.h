@@ -43,8 +43,11 @@ class CorrectedArm {
   /// Why the request is refused, before anything is done about it.
   std::optional<CorrectorCode> fault(const ArmRequest& request, double stamp,
                                      double now) const noexcept;
+  /// What becomes of a request; nothing of it counts unless commit() follows.
   /// @param request  without fault
-  CorrectorOutput answer(const ArmRequest& request, double stamp, double now) noexcept;
+  CorrectorOutput prepare(const ArmRequest& request, double stamp, double now) noexcept;
+  /// @param sent  the command of the last prepare() is sent; false: it is out of reach
+  void commit(bool sent) noexcept;
   /// Publishes and counts what became of a request.
   void report(const ros::Time& stamp, const ArmRequest& request, const CorrectorOutput& output,
               double compute_time);
@@ -87,8 +90,13 @@ class CorrectedArm {
   // Of the live thread alone.
   Pose path_first_, path_last_;
   bool has_path_ = false;
-  Pose known_;  // what the planner asked for last: the parts that a later request leaves out
-  bool known_position_ = false, known_orientation_ = false;
+  struct Known {
+    Pose pose;  ///< what the planner asked for last: the parts that a later request leaves out
+    bool position = false, orientation = false;  ///< are known
+  };
+  Known known_, next_known_;  // next_known_: once the request is sent
+  enum class Prepared { kNothing, kCorrection, kSkip } prepared_ = Prepared::kNothing;
+  double prepared_stamp_ = 0.0;
   MessagePool<CorrectionStatus> statuses_;
 
   // Counted by the live thread, read by diagnostics.
