@@ -223,6 +223,7 @@ void Corrector::commit() noexcept {
   if (!prepared_) return;
   prepared_ = false;
   stream_ = next_;
+  reach_.commit();
   if (!held_seen_) return;
   held_.store(false);
   if (hold_.load() != CorrectionHold::kNone) held_.store(true);  // and goes on after this pose
@@ -240,6 +241,7 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
 
   next_ = stream_;
   takeBackAfterHold(stamp);
+  reach_.follow(desired);
   Live* const live = live_.load(std::memory_order_acquire);
   // The estimator of a new model starts with its first pose, as at the start of a motion.
   followed_ = nullptr;
@@ -256,7 +258,7 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
   if (shorten(translation, max_translation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
   if (shorten(rotation, max_rotation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
   if (reach_.isChecked() && !(translation.isZero(0.0) && rotation.isZero(0.0))) {
-    const double share = reach_.reachableShare(desired, translation, rotation);
+    const double share = reach_.reachableShare(translation, rotation);
     translation *= share;
     rotation *= share;
     if (share < 1.0) limits |= kLimitReach;

@@ -7,6 +7,12 @@
 #include "raven_correction/error.h"
 
 namespace raven_correction {
+namespace {
+
+/// Other branches differ in some joint by about pi, other turns by 2 pi [rad].
+constexpr double kSameBranch = 0.5 * 3.14159265358979323846;
+
+}  // namespace
 
 NearTool keepNear(const RobotLimits& limits, const Pose& tool, const Pose& desired,
                   const Pose& corrected) noexcept {
@@ -42,24 +48,40 @@ RobotReach::RobotReach(const RobotLimits& limits) {
       throw InvalidInput(
           format("robot limits: %s = %g, must be >= 0 and finite", length.name, length.value));
   if (limits.chain == nullptr) return;
-  solver_ = std::make_unique<const InverseKinematics>(*limits.chain);
-  joints_ = limits.chain->home();
+  IkOptions options;
+  options.search_elsewhere = false;  // bounds the time
+  solver_ = std::make_unique<const InverseKinematics>(*limits.chain, options);
+  options.inside_first = false;
+  nearest_ = std::make_unique<const InverseKinematics>(*limits.chain, options);
+  for (const Joint& joint : limits.chain->joints())
+    revolute_.push_back(joint.type == JointType::kRevolute);
+  joints_ = followed_ = limits.chain->home();
 }
 
-bool RobotReach::reaches(const Pose& pose) noexcept {
+void RobotReach::follow(const Pose& desired) noexcept {
+  if (solver_ == nullptr) return;
+  desired_ = desired;
+  followed_ = solver_->solve(desired, joints_).joints;
+}
+
+bool RobotReach::reaches(const Pose& pose) const noexcept {
   if (solver_ == nullptr) return true;
-  const IkResult result = solver_->solve(pose, joints_);
+  const IkResult result = nearest_->solve(pose, followed_);
   // Near a singularity joints exist, and controllers take them.
   if (result.status != IkStatus::kOk && result.status != IkStatus::kSingular) return false;
-  joints_ = result.joints;
+  for (std::size_t i = 0; i < revolute_.size(); ++i) {
+    const auto joint = static_cast<Eigen::Index>(i);
+    if (revolute_[i] && !(std::abs(result.joints(joint) - followed_(joint)) <= kSameBranch))
+      return false;
+  }
   return true;
 }
 
-double RobotReach::reachableShare(const Pose& desired, const Eigen::Vector3d& translation,
-                                  const Eigen::Vector3d& rotation) noexcept {
+double RobotReach::reachableShare(const Eigen::Vector3d& translation,
+                                  const Eigen::Vector3d& rotation) const noexcept {
   const auto reached = [&](double share) {
-    return reaches({desired.p + share * translation,
-                    (desired.q * expRotation(share * rotation)).normalized()});
+    return reaches({desired_.p + share * translation,
+                    (desired_.q * expRotation(share * rotation)).normalized()});
   };
   if (reached(1.0)) return 1.0;
   if (!reached(0.0)) return 0.0;

@@ -95,12 +95,57 @@ TEST_F(RobotReachTest, TheLargestShareInReachIsFound) {
   const Pose desired = chain_->forward(q);
   q(insertion) -= 0.016;  // a quarter of the way is inside the limit
   const Eigen::Vector3d translation = chain_->forward(q).p - desired.p;
-  EXPECT_NEAR(reach.reachableShare(desired, translation, Eigen::Vector3d::Zero()), 0.25, 0.01);
-  EXPECT_EQ(reach.reachableShare(desired, -translation, Eigen::Vector3d::Zero()), 1.0);
+  reach.follow(desired);
+  EXPECT_NEAR(reach.reachableShare(translation, Eigen::Vector3d::Zero()), 0.25, 0.01);
+  EXPECT_EQ(reach.reachableShare(-translation, Eigen::Vector3d::Zero()), 1.0);
   // From out of reach into reach, and nowhere into reach.
-  const Pose beyond{desired.p + translation, desired.q};
-  EXPECT_EQ(reach.reachableShare(beyond, -translation, Eigen::Vector3d::Zero()), 1.0);
-  EXPECT_EQ(reach.reachableShare(beyond, translation, Eigen::Vector3d::Zero()), 0.0);
+  reach.follow({desired.p + translation, desired.q});
+  EXPECT_EQ(reach.reachableShare(-translation, Eigen::Vector3d::Zero()), 1.0);
+  EXPECT_EQ(reach.reachableShare(translation, Eigen::Vector3d::Zero()), 0.0);
+}
+
+TEST_F(RobotReachTest, AnotherTurnOfTheToolIsNoWayToReachAPose) {
+  // The roll has 364 degrees: what is beyond its end on one side is inside it on the other.
+  RobotReach reach(limits_);
+  const int roll = chain_->indexOf("tool_roll");
+  for (const double side : {1.0, -1.0}) {
+    JointVector q = chain_->home();
+    q(roll) = side * (chain_->upper()(roll) - 0.02);
+    const Pose desired = chain_->forward(q);
+    // As a planner gets there: turning.
+    for (double angle = 0.0; angle < 1.0; angle += 0.05) {
+      JointVector on_the_way = chain_->home();
+      on_the_way(roll) = angle * q(roll);
+      reach.follow(chain_->forward(on_the_way));
+      reach.commit();
+    }
+    reach.follow(desired);
+    q(roll) += side * 0.1;
+    const Pose corrected = chain_->forward(q);
+    EXPECT_FALSE(reach.reaches(corrected));
+    const Eigen::Vector3d rotation = logRotation(desired.q.conjugate() * corrected.q);
+    EXPECT_NEAR(reach.reachableShare(corrected.p - desired.p, rotation), 0.2, 0.01);
+    EXPECT_EQ(reach.reachableShare(desired.p - corrected.p, -rotation), 1.0);
+    // Where the planner itself goes on through the end, its joints come from the other side.
+    reach.follow(corrected);
+    EXPECT_TRUE(reach.reaches(corrected));
+  }
+}
+
+TEST_F(RobotReachTest, JointsThatWereNotCommittedDoNotLead) {
+  RobotReach reach(limits_);
+  const int roll = chain_->indexOf("tool_roll");
+  JointVector q = chain_->home();
+  q(roll) = -3.15;
+  const Pose desired = chain_->forward(q);  // the same as at a roll of 3.13
+  q(roll) = 3.0;
+  reach.follow(chain_->forward(q));
+  reach.commit();
+  q(roll) = -3.0;
+  reach.follow(chain_->forward(q));  // of a command that was not sent
+  reach.follow(desired);
+  q(roll) = 3.05;
+  EXPECT_TRUE(reach.reaches(chain_->forward(q)));
 }
 
 TEST_F(RobotReachTest, ACorrectorNeverSendsWhatTheJointsDoNotReach) {

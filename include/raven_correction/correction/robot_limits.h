@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "raven_correction/robot/inverse_kinematics.h"
 
@@ -32,25 +33,35 @@ struct NearTool {
 NearTool keepNear(const RobotLimits& limits, const Pose& tool, const Pose& desired,
                   const Pose& corrected) noexcept;
 
-/// Whether the joints reach a pose. Not thread-safe: it follows the motion with its last solution.
+/// Whether the joints reach a corrected pose by a small motion from those of the planner's own
+/// pose: another turn of the tool roll, or the arm folded the other way, would be no correction but
+/// a swing through the patient. Not thread-safe. No allocation; some microseconds a pose in closed
+/// form, otherwise at most one run of Newton steps from the joints before.
 class RobotReach {
  public:
   /// @throws InvalidInput  a limit that is negative or not finite
   explicit RobotReach(const RobotLimits& limits);
 
   bool isChecked() const noexcept { return solver_ != nullptr; }
-  /// There are joints inside their limits for the pose; true where nothing is checked. No
-  /// allocation; some microseconds in closed form.
-  bool reaches(const Pose& pose) noexcept;
-  /// The largest s in [0, 1], to 1 %, with which the joints reach the desired pose moved by s times
-  /// a correction (translation in base, rotation vector in the tool frame); 0 where they reach
-  /// neither of its ends. Between a pose in reach and one out of reach one border is assumed.
-  double reachableShare(const Pose& desired, const Eigen::Vector3d& translation,
-                        const Eigen::Vector3d& rotation) noexcept;
+  /// The planner's pose that the questions below are about. Its joints are those inside the limits
+  /// nearest to the joints of the last one that was committed: where the controller would go.
+  void follow(const Pose& desired) noexcept;
+  void commit() noexcept { joints_ = followed_; }
+  /// There are joints inside their limits for the pose, each revolute one within 90 degrees of
+  /// those of the planner's pose; true where nothing is checked.
+  bool reaches(const Pose& pose) const noexcept;
+  /// The largest s in [0, 1], to 1 %, with which the joints reach the planner's pose moved by s
+  /// times a correction (translation in base, rotation vector in the tool frame); 0 where they
+  /// reach neither of its ends. Between a pose in reach and one out of reach one border is assumed.
+  double reachableShare(const Eigen::Vector3d& translation,
+                        const Eigen::Vector3d& rotation) const noexcept;
 
  private:
-  std::unique_ptr<const InverseKinematics> solver_;
-  JointVector joints_;
+  std::unique_ptr<const InverseKinematics> solver_;   // of the planner's pose
+  std::unique_ptr<const InverseKinematics> nearest_;  // of what is near to it
+  std::vector<bool> revolute_;
+  JointVector joints_, followed_;
+  Pose desired_;
 };
 
 }  // namespace raven_correction
