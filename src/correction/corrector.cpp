@@ -82,12 +82,6 @@ void Corrector::setMeasured(double now, const Pose& measured) noexcept {
   measured_at_ = now;
 }
 
-void Corrector::skip(double stamp) noexcept {
-  discard();
-  stream_.started = true;
-  stream_.last_stamp = stamp;
-}
-
 void Corrector::setModel(const Correction& model) {
   models_.push_back(std::make_unique<Live>(model));
   live_.store(models_.back().get(), std::memory_order_release);
@@ -130,13 +124,19 @@ bool Corrector::keepInBox(const Eigen::Vector3d& desired,
 
 /// Shortens the correction in force where it would take the command further from the tool than the
 /// robot takes, or further than the desired pose is: continuous, and zero stays zero.
-std::uint8_t Corrector::keepNearTool(double now, const Pose& desired) noexcept {
+/// Of a part that is not asked for nothing is known, and nothing is limited.
+std::uint8_t Corrector::keepNearTool(double now, Pose desired, bool position,
+                                     bool orientation) noexcept {
   if (!(limits_.robot.max_step > 0.0) && !(limits_.robot.max_turn > 0.0)) return 0;
   const bool known = now - measured_at_ <= limits_.max_measured_age && now >= measured_at_;
   if (!known && !next_.commanded) return 0;
-  const Pose corrected{desired.p + next_.translation, desired.q * expRotation(next_.rotation)};
-  const NearTool near =
-      keepNear(limits_.robot, known ? measured_ : next_.last_command, desired, corrected);
+  const Pose& tool = known ? measured_ : next_.last_command;
+  if (!position) desired.p = tool.p;
+  if (!orientation) desired.q = tool.q;
+  Pose corrected = desired;
+  if (position) corrected.p += next_.translation;
+  if (orientation) corrected.q = corrected.q * expRotation(next_.rotation);
+  const NearTool near = keepNear(limits_.robot, tool, desired, corrected);
   if (near.shortened_position) next_.translation = near.command.p - desired.p;
   if (near.shortened_orientation)
     next_.rotation = logRotation(desired.q.conjugate() * near.command.q);
@@ -215,8 +215,10 @@ std::optional<CorrectorCode> Corrector::fault(double stamp, double now,
 
 /// The last prepare() was not committed: as if it had never been.
 void Corrector::discard() noexcept {
-  if (prepared_ && followed_ != nullptr) followed_->undo();
+  if (!prepared_) return;
   prepared_ = false;
+  if (followed_ != nullptr) followed_->undo();
+  reach_.discard();
 }
 
 void Corrector::commit() noexcept {
@@ -227,6 +229,40 @@ void Corrector::commit() noexcept {
   if (!held_seen_) return;
   held_.store(false);
   if (hold_.load() != CorrectionHold::kNone) held_.store(true);  // and goes on after this pose
+}
+
+/// The first pose of all may be corrected by as much as one after a long silence. [s]
+double Corrector::stepTime(double stamp) const noexcept {
+  return next_.started ? std::min(stamp - next_.last_stamp, limits_.max_step_time)
+                       : limits_.max_step_time;
+}
+
+CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& desired,
+                                        bool position, bool orientation) noexcept {
+  discard();
+  CorrectorOutput output;
+  output.code = CorrectorCode::kPassedNotAbsolute;
+  output.command = desired;
+  next_ = stream_;
+  followed_ = nullptr;
+  takeBackAfterHold(stamp);
+  const double elapsed = stepTime(stamp);
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  if (position && approach(next_.translation, none, limits_.max_translation_rate * elapsed))
+    output.limits |= kLimitRate;
+  if (orientation && approach(next_.rotation, none, limits_.max_rotation_rate * elapsed))
+    output.limits |= kLimitRate;
+  output.limits |= keepNearTool(now, desired, position, orientation);
+  if (position && keepInBox(desired.p, next_.translation)) output.limits |= kLimitBox;
+  if (position && !next_.translation.isZero(0.0)) output.command.p += next_.translation;
+  if (orientation && !next_.rotation.isZero(0.0))
+    output.command.q = (desired.q * expRotation(next_.rotation)).normalized();
+  if ((output.limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
+  next_.started = true;
+  next_.last_stamp = stamp;
+  next_.commanded = false;  // where the tool goes is not known
+  prepared_ = true;
+  return output;
 }
 
 CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired,
@@ -263,13 +299,11 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
     rotation *= share;
     if (share < 1.0) limits |= kLimitReach;
   }
-  // The first pose of all may be corrected by as much as one after a long silence.
-  const double elapsed = next_.started ? std::min(stamp - next_.last_stamp, limits_.max_step_time)
-                                       : limits_.max_step_time;
+  const double elapsed = stepTime(stamp);
   if (approach(next_.translation, translation, limits_.max_translation_rate * elapsed))
     limits |= kLimitRate;
   if (approach(next_.rotation, rotation, limits_.max_rotation_rate * elapsed)) limits |= kLimitRate;
-  limits |= keepNearTool(now, desired);
+  limits |= keepNearTool(now, desired, true, true);
   if (keepInBox(desired.p, next_.translation)) limits |= kLimitBox;
   next_.started = true;
   next_.last_stamp = stamp;

@@ -72,38 +72,29 @@ std::optional<CorrectorCode> CorrectedArm::fault(const ArmRequest& request, doub
 
 CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
                                       double now) noexcept {
-  CorrectorOutput output;
-  output.command = request.pose;
+  prepared_ = request.kind != ArmRequest::Kind::kInactive;
   next_known_ = known_;
-  prepared_ = Prepared::kNothing;
-  prepared_stamp_ = stamp;
-  if (request.kind == ArmRequest::Kind::kInactive) {
+  if (!prepared_) {
+    CorrectorOutput output;
+    output.command = request.pose;
     output.code = CorrectorCode::kPassedInactive;
     return output;
   }
-  if (request.kind == ArmRequest::Kind::kRelative) {
-    next_known_.position = next_known_.orientation = false;  // increments add up in the controller
-  } else {
-    if (request.position) next_known_.pose.p = request.pose.p;
-    if (request.orientation) next_known_.pose.q = request.pose.q;
-    next_known_.position |= request.position;
-    next_known_.orientation |= request.orientation;
-  }
-  if (next_known_.position && next_known_.orientation) {
-    prepared_ = Prepared::kCorrection;
+  // Increments add up in the controller: after one, that part is not known any more.
+  const bool position = request.position && !request.position_relative;
+  const bool orientation = request.orientation && !request.orientation_relative;
+  if (request.position) next_known_.position = position;
+  if (request.orientation) next_known_.orientation = orientation;
+  if (position) next_known_.pose.p = request.pose.p;
+  if (orientation) next_known_.pose.q = request.pose.q;
+  if (next_known_.position && next_known_.orientation)
     return corrector_.prepare(stamp, now, next_known_.pose, isEndpoint(next_known_.pose));
-  }
-  prepared_ = Prepared::kSkip;
-  output.code = CorrectorCode::kPassedNotAbsolute;
-  return output;
+  return corrector_.prepareParts(stamp, now, request.pose, position, orientation);
 }
 
 void CorrectedArm::commit(bool sent) noexcept {
-  if (prepared_ == Prepared::kCorrection)
-    corrector_.commit();
-  else if (prepared_ == Prepared::kSkip)
-    corrector_.skip(prepared_stamp_);
-  prepared_ = Prepared::kNothing;
+  if (prepared_) corrector_.commit();
+  prepared_ = false;
   if (sent) known_ = next_known_;
 }
 

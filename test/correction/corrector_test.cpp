@@ -351,15 +351,72 @@ TEST_F(CorrectorTest, TheGainIsAShareOfTheCorrection) {
   EXPECT_THROW(corrector.setTuning(1.0, 0.0, 0.8), InvalidInput);
 }
 
-TEST_F(CorrectorTest, AForwardedPoseThatWasNotCorrectedMakesOlderOnesStale) {
+TEST_F(CorrectorTest, AForwardedIncrementMakesOlderOnesStale) {
   Corrector corrector(looseLimits());
   send(corrector, 0);
   EXPECT_FALSE(corrector.fault(stampOf(1), stampOf(1), inside(1)).has_value());
-  corrector.skip(stampOf(1));
+  const CorrectorOutput output =
+      corrector.prepareParts(stampOf(1), stampOf(1), inside(1), false, false);
+  EXPECT_EQ(output.code, CorrectorCode::kPassedNotAbsolute);
+  EXPECT_TRUE(same(output.command, inside(1)));
+  EXPECT_FALSE(corrector.fault(stampOf(1), stampOf(1), inside(1)).has_value()) << "not sent yet";
+  corrector.commit();
   EXPECT_EQ(corrector.fault(stampOf(1), stampOf(1), inside(1)),
             CorrectorCode::kRefusedTimeBackwards);
   EXPECT_EQ(send(corrector, 1).code, CorrectorCode::kRefusedTimeBackwards);
   EXPECT_EQ(send(corrector, 2).code, CorrectorCode::kPassedOff);
+}
+
+// A controller that adds increments to what it was sent, and a planner that believes it was sent
+// what it asked for: the difference of the two is the correction, and moves at its limited rate
+// whatever the planner sends.
+TEST_F(CorrectorTest, IncrementsAndPartsNeverMakeTheCorrectionJump) {
+  const CorrectorLimits limits;
+  Corrector corrector(limits);
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  std::mt19937_64 random(11);
+  constexpr double kPeriod = 0.005;
+  Pose believed = inside(0), controlled = believed;
+  int jumps_possible = 0, unchanged = 0;
+  int kind = 0;
+  double stamp = 100.0;
+  for (int i = 0; i < 6000; ++i, stamp += kPeriod) {
+    if (i % 100 == 0) kind = static_cast<int>(random() % 5);
+    const Eigen::Vector3d before = controlled.p - believed.p;
+    const Eigen::Quaterniond turned_before = believed.q.conjugate() * controlled.q;
+    const Pose step{randomVector(random, 1e-4), expRotation(randomVector(random, 1e-3))};
+    Pose next{believed.p + step.p, (step.q * believed.q).normalized()};
+    if (i % 100 == 0 && kind == 0) next = inside(0);               // and planners jump
+    const bool position = kind == 0 || kind == 1 || kind == 2;     // absolute
+    const bool orientation = kind == 0 || kind == 1 || kind == 3;  // absolute
+    if (position && orientation) {
+      controlled = corrector.correct(stamp, stamp, next, false).command;
+    } else {
+      const Pose sent{position ? next.p : step.p, orientation ? next.q : step.q};
+      const CorrectorOutput output =
+          corrector.prepareParts(stamp, stamp, sent, position, orientation);
+      corrector.commit();
+      if (!position) {
+        ASSERT_EQ(output.command.p, step.p);
+      }
+      if (!orientation) {
+        ASSERT_EQ(output.command.q.coeffs(), step.q.coeffs());
+      }
+      unchanged += same(output.command, sent);
+      controlled.p = position ? output.command.p : Eigen::Vector3d(controlled.p + step.p);
+      controlled.q = orientation ? output.command.q : (step.q * controlled.q).normalized();
+    }
+    believed = next;
+    const Eigen::Quaterniond turned = believed.q.conjugate() * controlled.q;
+    ASSERT_LE((controlled.p - believed.p - before).norm(),
+              limits.max_translation_rate * kPeriod + 1e-9)
+        << i << " kind " << kind;
+    ASSERT_LE(rotationAngle(turned_before, turned), limits.max_rotation_rate * kPeriod + 1e-7) << i;
+    jumps_possible += before.norm() > 0.01;
+  }
+  EXPECT_GT(jumps_possible, 1000);
+  EXPECT_GT(unchanged, 1000);
 }
 
 TEST_F(CorrectorTest, TheDistanceIsThatFromTheBoxOfTheTraining) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Both arms on one topic under the limits as shipped: does a command that is refused for one arm
-// leave the other as it was? What the bytes of a RavenCommand become is raven_command.py.
+// leave the other as it was, and do increments and single parts make the command jump? What the
+// bytes of a RavenCommand become is raven_command.py.
 #include <gtest/gtest.h>
 #include <ros/package.h>
 #include <ros/ros.h>
@@ -49,8 +50,9 @@ Pose beforeTheEnd(const KinematicChain& chain, double distance) {
 
 /// A model that is its rigid step alone, everywhere within a metre: a translation.
 Correction shift(const std::string& arm, const Eigen::Vector3d& by) {
+  static int number = 0;
   Correction model;
-  model.id = "shift_" + arm;
+  model.id = "shift_" + std::to_string(++number);
   model.version = "test";
   model.frame = "0_link";
   model.arm = arm;
@@ -178,6 +180,68 @@ TEST_F(TwoArms, CommandRefusedForOneArmLeavesTheOtherAsItWas) {
   // What was not sent has not happened: the left arm goes on from its last command.
   EXPECT_LE((command(kLeft).p - before.p).norm(), kLargestStep + kStampResolution);
   EXPECT_LT(code(kLeft), 16);
+}
+
+TEST_F(TwoArms, PartsThatCannotBeCorrectedGiveTheirCorrectionBackInSteps) {
+  const KinematicChain left = chainOf("raven2_left"), right = chainOf("raven2_right");
+  const Pose rest = beforeTheEnd(right, 0.1), desired = beforeTheEnd(left, 0.15);
+  const Eigen::Vector3d outwards = (beforeTheEnd(left, 0.1).p - desired.p).normalized();
+  models_[kLeft].publish(modelToMsg(shift("raven2_left", 0.05 * outwards)));
+  models_[kRight].publish(modelToMsg(shift("raven2_right", {0.0, 0.0, 1e-3})));
+  setMode("left", "full");
+  constexpr double kStep = kTranslationRate * kPeriod + kStampResolution;
+  constexpr std::uint8_t kTurnedBy = kAbsolute | kRavenOrientationRelative;
+  constexpr std::uint8_t kMovedBy = kAbsolute | kRavenPositionRelative;
+  Asked asked{desired};
+  const auto correction = [&] { return (command(kLeft).p - desired.p).norm(); };
+  sendUntilCorrected({asked, Asked{rest}});
+  ASSERT_NEAR(correction(), 0.05, 1e-9);
+
+  // The position stays absolute, the orientation becomes an increment: nothing jumps, neither
+  // there...
+  asked.option = kTurnedBy;
+  asked.pose.q.setIdentity();
+  double last = correction();
+  for (int i = 0; i < 50; ++i) {
+    send({asked, Asked{rest}});
+    EXPECT_NEAR(correction(), std::max(0.0, last - kTranslationRate * kPeriod), kStampResolution);
+    EXPECT_EQ(statuses_[kLeft].back().command.orientation,
+              statuses_[kLeft].back().desired.orientation);
+    last = correction();
+  }
+  EXPECT_EQ(statuses_[kLeft].back().command, statuses_[kLeft].back().desired);
+  EXPECT_EQ(code(kLeft), CorrectionStatus::PASSED_NOT_ABSOLUTE);
+  // ... nor back.
+  asked = Asked{desired};
+  send({asked, Asked{rest}});
+  EXPECT_LE(correction(), kStep);
+  sendUntilCorrected({asked, Asked{rest}});
+
+  // Increments are added to what the controller was sent, the correction included: it stays in
+  // force.
+  asked.option = kMovedBy;
+  asked.pose.p.setZero();
+  for (int i = 0; i < 50; ++i) {
+    send({asked, Asked{rest}});
+    EXPECT_EQ(statuses_[kLeft].back().command, statuses_[kLeft].back().desired);
+    EXPECT_EQ(code(kLeft), CorrectionStatus::PASSED_NOT_ABSOLUTE);
+  }
+  asked = Asked{desired};
+  send({asked, Asked{rest}});
+  EXPECT_NEAR(correction(), 0.05, 1e-9);
+  EXPECT_EQ(code(kLeft), CorrectionStatus::RIGID_ONLY);
+
+  // An orientation that was absolute all the time is known: a position alone is corrected at once.
+  asked.option = kRavenPositionEnabled;
+  send({asked, Asked{rest}});
+  EXPECT_EQ(code(kLeft), CorrectionStatus::RIGID_ONLY);
+  asked.option = kMovedBy;
+  asked.pose.p.setZero();
+  send({asked, Asked{rest}});
+  asked = Asked{desired, kRavenPositionEnabled};
+  send({asked, Asked{rest}});
+  EXPECT_EQ(code(kLeft), CorrectionStatus::RIGID_ONLY);
+  EXPECT_NEAR(correction(), 0.05, 1e-9);
 }
 
 }  // namespace

@@ -111,8 +111,15 @@ class Corrector {
   /// The command of the last prepare() was sent; or it was kRefusedUnreachable, and the correction
   /// is taken back by a step. Nothing happens after any other refusal.
   void commit() noexcept;
-  /// A pose of this stream was forwarded without being corrected: a later one must be newer.
-  void skip(double stamp) noexcept;
+  /// A command that cannot be corrected, since of position and orientation one is an increment or
+  /// is not known. Of a part that is absolute, the correction in force is taken back at its limited
+  /// rate; until then the command holds the rest of it. An increment is never changed, nor the
+  /// correction of that part: the controller adds the one to what holds the other. Faults are the
+  /// caller's business; like prepare(), it counts with commit().
+  /// @param desired  what is not absolute may hold anything, and is in the command as it is
+  /// @param position, orientation  this part is absolute
+  CorrectorOutput prepareParts(double stamp, double now, const Pose& desired, bool position,
+                               bool orientation) noexcept;
 
   /// Forgets the stream (after a jump of the clock); the correction in force goes on from where it
   /// is.
@@ -132,7 +139,8 @@ class Corrector {
   void discard() noexcept;
   void takeBackAfterHold(double stamp) noexcept;
   bool keepInBox(const Eigen::Vector3d& desired, Eigen::Vector3d& translation) const noexcept;
-  std::uint8_t keepNearTool(double now, const Pose& desired) noexcept;
+  double stepTime(double stamp) const noexcept;
+  std::uint8_t keepNearTool(double now, Pose desired, bool position, bool orientation) noexcept;
 
   CorrectorLimits limits_;
   bool has_box_ = false;

@@ -47,6 +47,7 @@ class RobotReach {
   /// nearest to the joints of the last one that was committed: where the controller would go.
   void follow(const Pose& desired) noexcept;
   void commit() noexcept { joints_ = followed_; }
+  void discard() noexcept { followed_ = joints_; }
   /// There are joints inside their limits for the pose, each revolute one within 90 degrees of
   /// those of the planner's pose; true where nothing is checked.
   bool reaches(const Pose& pose) const noexcept;

@@ -95,8 +95,7 @@ class CorrectedArm {
     bool position = false, orientation = false;  ///< are known
   };
   Known known_, next_known_;  // next_known_: once the request is sent
-  enum class Prepared { kNothing, kCorrection, kSkip } prepared_ = Prepared::kNothing;
-  double prepared_stamp_ = 0.0;
+  bool prepared_ = false;     // the last request asked something of corrector_
   MessagePool<CorrectionStatus> statuses_;
 
   // Counted by the live thread, read by diagnostics.
