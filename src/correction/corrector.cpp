@@ -109,38 +109,29 @@ void Corrector::takeBackAfterHold(double stamp) noexcept {
   next_.commanded = false;  // who knows where the tool is now
 }
 
-/// Shortens the correction, axis by axis, where it would leave the box, or leave it further than
-/// the desired pose does: continuous, and zero stays zero.
-bool Corrector::keepInBox(const Eigen::Vector3d& desired,
-                          Eigen::Vector3d& translation) const noexcept {
-  if (!has_box_) return false;
-  const Eigen::Vector3d low = limits_.box_min.cwiseMin(desired) - desired;
-  const Eigen::Vector3d high = limits_.box_max.cwiseMax(desired) - desired;
-  const Eigen::Vector3d inside = translation.cwiseMax(low).cwiseMin(high);
-  const bool limited = inside != translation;
-  translation = inside;
-  return limited;
-}
-
-/// Shortens the correction in force where it would take the command further from the tool than the
-/// robot takes, or further than the desired pose is: continuous, and zero stays zero.
-/// Of a part that is not asked for nothing is known, and nothing is limited.
-std::uint8_t Corrector::keepNearTool(double now, Pose desired, bool position,
-                                     bool orientation) noexcept {
-  if (!(limits_.robot.max_step > 0.0) && !(limits_.robot.max_turn > 0.0)) return 0;
-  const bool known = now - measured_at_ <= limits_.max_measured_age && now >= measured_at_;
-  if (!known && !next_.commanded) return 0;
-  const Pose& tool = known ? measured_ : next_.last_command;
-  if (!position) desired.p = tool.p;
-  if (!orientation) desired.q = tool.q;
+/// Shortens the correction in force where it would take the command out of the box, or further from
+/// the tool than the robot takes; or further than the desired pose is: continuous, and zero stays
+/// zero. Of a part that is not asked for nothing is known, and nothing is limited.
+std::uint8_t Corrector::keepWithinLimits(double now, Pose desired, bool position,
+                                         bool orientation) noexcept {
+  const bool measured = now - measured_at_ <= limits_.max_measured_age && now >= measured_at_;
+  const Pose* const tool = measured ? &measured_ : next_.commanded ? &next_.last_command : nullptr;
+  if (!position) desired.p = tool != nullptr ? tool->p : Eigen::Vector3d::Zero();
+  if (!orientation) desired.q = tool != nullptr ? tool->q : Eigen::Quaterniond::Identity();
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  Eigen::AlignedBox3d room(Eigen::Vector3d::Constant(-kEverywhere),
+                           Eigen::Vector3d::Constant(kEverywhere));
+  if (has_box_) room = {limits_.box_min.cwiseMin(desired.p), limits_.box_max.cwiseMax(desired.p)};
   Pose corrected = desired;
   if (position) corrected.p += next_.translation;
   if (orientation) corrected.q = corrected.q * expRotation(next_.rotation);
-  const NearTool near = keepNear(limits_.robot, tool, desired, corrected);
-  if (near.shortened_position) next_.translation = near.command.p - desired.p;
+  const NearTool near = keepNear(limits_.robot, tool, room, desired, corrected);
+  if (near.shortened_position || near.shortened_room)
+    next_.translation = near.command.p - desired.p;
   if (near.shortened_orientation)
     next_.rotation = logRotation(desired.q.conjugate() * near.command.q);
   std::uint8_t limits = 0;
+  if (near.shortened_room) limits |= kLimitBox;
   if (near.shortened_position || near.shortened_orientation) limits |= kLimitRobotStep;
   if (near.desired_beyond) limits |= kPlannerBeyond;
   return limits;
@@ -252,8 +243,7 @@ CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& de
     output.limits |= kLimitRate;
   if (orientation && approach(next_.rotation, none, limits_.max_rotation_rate * elapsed))
     output.limits |= kLimitRate;
-  output.limits |= keepNearTool(now, desired, position, orientation);
-  if (position && keepInBox(desired.p, next_.translation)) output.limits |= kLimitBox;
+  output.limits |= keepWithinLimits(now, desired, position, orientation);
   if (position && !next_.translation.isZero(0.0)) output.command.p += next_.translation;
   if (orientation && !next_.rotation.isZero(0.0))
     output.command.q = (desired.q * expRotation(next_.rotation)).normalized();
@@ -303,8 +293,7 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
   if (approach(next_.translation, translation, limits_.max_translation_rate * elapsed))
     limits |= kLimitRate;
   if (approach(next_.rotation, rotation, limits_.max_rotation_rate * elapsed)) limits |= kLimitRate;
-  limits |= keepNearTool(now, desired, true, true);
-  if (keepInBox(desired.p, next_.translation)) limits |= kLimitBox;
+  limits |= keepWithinLimits(now, desired, true, true);
   next_.started = true;
   next_.last_stamp = stamp;
   prepared_ = true;

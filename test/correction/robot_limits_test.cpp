@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "raven_correction/correction/corrector.h"
 #include "raven_correction/error.h"
 #include "robot/robots.h"
@@ -23,6 +25,11 @@ RobotLimits crtk() {
   return limits;
 }
 
+Eigen::AlignedBox3d everywhere() {
+  const double infinity = std::numeric_limits<double>::infinity();
+  return {Eigen::Vector3d::Constant(-infinity), Eigen::Vector3d::Constant(infinity)};
+}
+
 TEST(KeepNear, IsAProjectionThatNeverLeadsAwayFromTheDesiredPose) {
   std::mt19937_64 random(3);
   int shortened = 0;
@@ -31,7 +38,7 @@ TEST(KeepNear, IsAProjectionThatNeverLeadsAwayFromTheDesiredPose) {
     const Pose desired{randomVector(random, 0.02), expRotation(randomVector(random, 0.5))};
     const Pose corrected{desired.p + randomVector(random, 0.02),
                          (desired.q * expRotation(randomVector(random, 0.4))).normalized()};
-    const NearTool near = keepNear(crtk(), tool, desired, corrected);
+    const NearTool near = keepNear(crtk(), &tool, everywhere(), desired, corrected);
     shortened += near.shortened_position;
     const double own = (desired.p - tool.p).norm();
     const double own_turn = rotationAngle(desired.q, tool.q);
@@ -48,15 +55,54 @@ TEST(KeepNear, IsAProjectionThatNeverLeadsAwayFromTheDesiredPose) {
     // Another correction close by: the command moves no more than it.
     Pose other = corrected;
     other.p += randomVector(random, 0.002);
-    EXPECT_LE((keepNear(crtk(), tool, desired, other).command.p - near.command.p).norm(),
-              (other.p - corrected.p).norm() + 1e-12);
+    EXPECT_LE(
+        (keepNear(crtk(), &tool, everywhere(), desired, other).command.p - near.command.p).norm(),
+        (other.p - corrected.p).norm() + 1e-12);
   }
   EXPECT_GT(shortened, 200);
 }
 
+TEST(KeepNear, StaysInTheBoxAndNearTheToolAtOnce) {
+  std::mt19937_64 random(4);
+  int both = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Pose tool{randomVector(random, 0.01), Eigen::Quaterniond::Identity()};
+    const Pose desired{randomVector(random, 0.015), Eigen::Quaterniond::Identity()};
+    Eigen::AlignedBox3d room(Eigen::Vector3d::Constant(-0.01), Eigen::Vector3d::Constant(0.01));
+    room.extend(desired.p);
+    const auto command = [&](const Eigen::Vector3d& corrected) {
+      return keepNear(crtk(), &tool, room, desired, {corrected, Eigen::Quaterniond::Identity()});
+    };
+    const auto isAllowed = [&](const Eigen::Vector3d& p) {
+      return room.contains(p) &&
+             (p - tool.p).norm() <= std::max(kStep, (desired.p - tool.p).norm()) + 1e-12;
+    };
+    const Eigen::Vector3d corrected = desired.p + randomVector(random, 0.02);
+    const NearTool near = command(corrected);
+    both += near.shortened_room && near.shortened_position;
+    EXPECT_TRUE(isAllowed(near.command.p)) << i;
+    EXPECT_LE((near.command.p - desired.p).norm(), (corrected - desired.p).norm() + 1e-12);
+    EXPECT_LT((command(near.command.p).command.p - near.command.p).norm(), 1e-12);
+    // It is the nearest one: nothing else that is allowed is nearer to the corrected position.
+    for (int k = 0; k < 20; ++k) {
+      const Eigen::Vector3d other = command(near.command.p + randomVector(random, 0.005)).command.p;
+      EXPECT_GE((other - corrected).norm(), (near.command.p - corrected).norm() - 1e-9);
+    }
+    // And moves no more than the corrected position does.
+    const Eigen::Vector3d moved = corrected + randomVector(random, 0.002);
+    EXPECT_LE((command(moved).command.p - near.command.p).norm(),
+              (moved - corrected).norm() + 1e-9);
+  }
+  EXPECT_GT(both, 300);
+  // Without a tool the box alone.
+  const Eigen::AlignedBox3d room(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones());
+  EXPECT_EQ(keepNear(crtk(), nullptr, room, Pose(), {{2.0, 0.5, -1.0}, Pose().q}).command.p,
+            Eigen::Vector3d(1.0, 0.5, 0.0));
+}
+
 TEST(KeepNear, ZeroChecksNothing) {
-  const Pose far{{1.0, 2.0, 3.0}, expRotation({0.0, 0.0, 3.0})};
-  const NearTool near = keepNear(RobotLimits(), Pose(), Pose(), far);
+  const Pose tool, far{{1.0, 2.0, 3.0}, expRotation({0.0, 0.0, 3.0})};
+  const NearTool near = keepNear(RobotLimits(), &tool, everywhere(), Pose(), far);
   EXPECT_EQ(near.command.p, far.p);
   EXPECT_FALSE(near.desired_beyond);
 }
@@ -250,6 +296,37 @@ TEST_F(RobotReachTest, WhereThePlannerItselfIsOutOfReachItsPosePassesInTheEnd) {
   EXPECT_EQ(output.limits, kLimitReach);
   EXPECT_EQ(output.command.p, beyond.p);
   EXPECT_EQ(output.command.q.coeffs(), beyond.q.coeffs());
+}
+
+// The side of the box once turned a shortened command back out of the robot's step, axis by axis.
+TEST(Corrector, TheBoxDoesNotBreakTheStepOfTheRobot) {
+  CorrectorLimits limits;
+  limits.max_translation_rate = 10.0;
+  limits.robot.max_step = 0.01;
+  limits.box_min.setConstant(-0.005);
+  limits.box_max.setConstant(0.005);
+  std::mt19937_64 random(6);
+  Correction model = simpleModel(VelocityKind::kNone);
+  model.process = {};
+  model.trust.workspace_min.setConstant(-1.0);
+  model.trust.workspace_max.setConstant(1.0);
+  int boxed = 0;
+  for (int i = 0; i < 500; ++i) {
+    model.rigid = {randomVector(random, 0.015), Eigen::Quaterniond::Identity()};
+    Corrector corrector(limits);
+    corrector.setModel(model);
+    corrector.setMode(CorrectorMode::kFull);
+    const Pose tool{randomVector(random, 0.008), Eigen::Quaterniond::Identity()};
+    const Pose desired{randomVector(random, 0.005), Eigen::Quaterniond::Identity()};
+    corrector.setMeasured(100.0, tool);
+    const CorrectorOutput output = corrector.correct(100.0, 100.0, desired, false);
+    boxed += (output.limits & kLimitBox) != 0;
+    EXPECT_LE((output.command.p - tool.p).norm(),
+              std::max(0.01, (desired.p - tool.p).norm()) + 1e-9);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_LE(std::abs(output.command.p(k)), std::max(0.005, std::abs(desired.p(k))) + 1e-12);
+  }
+  EXPECT_GT(boxed, 100);
 }
 
 }  // namespace

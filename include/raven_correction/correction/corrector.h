@@ -138,9 +138,8 @@ class Corrector {
 
   void discard() noexcept;
   void takeBackAfterHold(double stamp) noexcept;
-  bool keepInBox(const Eigen::Vector3d& desired, Eigen::Vector3d& translation) const noexcept;
   double stepTime(double stamp) const noexcept;
-  std::uint8_t keepNearTool(double now, Pose desired, bool position, bool orientation) noexcept;
+  std::uint8_t keepWithinLimits(double now, Pose desired, bool position, bool orientation) noexcept;
 
   CorrectorLimits limits_;
   bool has_box_ = false;

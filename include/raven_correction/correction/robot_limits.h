@@ -4,6 +4,7 @@
 // does with a command that does not fit is simulated by ros/command_gate.h.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <vector>
 
@@ -20,18 +21,20 @@ struct RobotLimits {
 
 struct NearTool {
   Pose command;
-  bool shortened_position = false;
-  bool shortened_orientation = false;
-  bool desired_beyond = false;  ///< the desired pose itself breaks a limit
+  bool shortened_position = false;     ///< by max_step
+  bool shortened_orientation = false;  ///< by max_turn
+  bool shortened_room = false;         ///< the position, by `room`
+  bool desired_beyond = false;         ///< the desired pose itself breaks max_step or max_turn
 };
 
-/// The command nearest to `corrected` among those that are as near to the tool as the robot asks
-/// for, or as the desired pose is: a projection on a ball about the tool, position and orientation
-/// by themselves. So it is never further from the desired pose than `corrected` is, and moves no
-/// more than its arguments do.
-/// @param tool  where it is, in base
-NearTool keepNear(const RobotLimits& limits, const Pose& tool, const Pose& desired,
-                  const Pose& corrected) noexcept;
+/// The command nearest to `corrected` among those inside `room` that are as near to the tool as the
+/// robot asks for, or as the desired pose is: the projection of the position on a box and a ball
+/// about the tool at once, and of the orientation on a ball. So it is never further from the
+/// desired pose than `corrected` is, and moves no more than `corrected` does.
+/// @param tool  where it is, in base; null: not known, and only `room` counts
+/// @param room  for the position, in base; contains the desired one
+NearTool keepNear(const RobotLimits& limits, const Pose* tool, const Eigen::AlignedBox3d& room,
+                  const Pose& desired, const Pose& corrected) noexcept;
 
 /// Whether the joints reach a corrected pose by a small motion from those of the planner's own
 /// pose: another turn of the tool roll, or the arm folded the other way, would be no correction but
