@@ -76,10 +76,12 @@ void Corrector::setTuning(double gain, double max_translation, double max_rotati
   max_rotation_.store(max_rotation, std::memory_order_relaxed);
 }
 
-void Corrector::setMeasured(double now, const Pose& measured) noexcept {
+void Corrector::setMeasured(double stamp, double now, const Pose& measured) noexcept {
   if (!isFinite(measured) || !hasUnitQuaternion(measured)) return;
+  if (!(stamp > 0.0) || !(stamp > measured_at_)) return;
+  if (!(stamp - now <= limits_.max_measured_age)) return;
   measured_ = measured;
-  measured_at_ = now;
+  measured_at_ = stamp;
 }
 
 void Corrector::setModel(const Correction& model) {
@@ -112,9 +114,9 @@ void Corrector::takeBackAfterHold(double stamp) noexcept {
 /// Shortens the correction in force where it would take the command out of the box, or further from
 /// the tool than the robot takes; or further than the desired pose is: continuous, and zero stays
 /// zero. Of a part that is not asked for nothing is known, and nothing is limited.
-std::uint8_t Corrector::keepWithinLimits(double now, Pose desired, bool position,
-                                         bool orientation) noexcept {
-  const bool measured = now - measured_at_ <= limits_.max_measured_age && now >= measured_at_;
+void Corrector::keepWithinLimits(double now, Pose desired, bool position, bool orientation,
+                                 CorrectorOutput& output) noexcept {
+  const bool measured = std::abs(now - measured_at_) <= limits_.max_measured_age;
   const Pose* const tool = measured ? &measured_ : next_.commanded ? &next_.last_command : nullptr;
   if (!position) desired.p = tool != nullptr ? tool->p : Eigen::Vector3d::Zero();
   if (!orientation) desired.q = tool != nullptr ? tool->q : Eigen::Quaterniond::Identity();
@@ -130,11 +132,13 @@ std::uint8_t Corrector::keepWithinLimits(double now, Pose desired, bool position
     next_.translation = near.command.p - desired.p;
   if (near.shortened_orientation)
     next_.rotation = logRotation(desired.q.conjugate() * near.command.q);
-  std::uint8_t limits = 0;
-  if (near.shortened_room) limits |= kLimitBox;
-  if (near.shortened_position || near.shortened_orientation) limits |= kLimitRobotStep;
-  if (near.desired_beyond) limits |= kPlannerBeyond;
-  return limits;
+  if (near.shortened_room) output.limits |= kLimitBox;
+  if (near.shortened_position || near.shortened_orientation) output.limits |= kLimitRobotStep;
+  if (near.desired_beyond) output.limits |= kPlannerBeyond;
+  if (limits_.robot.max_step > 0.0 || limits_.robot.max_turn > 0.0)
+    output.tool_known_by = measured          ? ToolKnownBy::kMeasured
+                           : tool != nullptr ? ToolKnownBy::kLastCommand
+                                             : ToolKnownBy::kNothing;
 }
 
 /// The pose that the mode wants, before limits, and why.
@@ -243,7 +247,7 @@ CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& de
     output.limits |= kLimitRate;
   if (orientation && approach(next_.rotation, none, limits_.max_rotation_rate * elapsed))
     output.limits |= kLimitRate;
-  output.limits |= keepWithinLimits(now, desired, position, orientation);
+  keepWithinLimits(now, desired, position, orientation, output);
   if (position && !next_.translation.isZero(0.0)) output.command.p += next_.translation;
   if (orientation && !next_.rotation.isZero(0.0))
     output.command.q = (desired.q * expRotation(next_.rotation)).normalized();
@@ -280,31 +284,31 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
   const double gain = gain_.load(std::memory_order_relaxed);
   Eigen::Vector3d translation = gain * (wanted.p - desired.p);
   Eigen::Vector3d rotation = gain * logRotation(desired.q.conjugate() * wanted.q);
-  std::uint8_t limits = 0;
-  if (shorten(translation, max_translation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
-  if (shorten(rotation, max_rotation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
+  if (shorten(translation, max_translation_.load(std::memory_order_relaxed)))
+    output.limits |= kLimitSize;
+  if (shorten(rotation, max_rotation_.load(std::memory_order_relaxed))) output.limits |= kLimitSize;
   if (reach_.isChecked() && !(translation.isZero(0.0) && rotation.isZero(0.0))) {
     const double share = reach_.reachableShare(translation, rotation);
     translation *= share;
     rotation *= share;
-    if (share < 1.0) limits |= kLimitReach;
+    if (share < 1.0) output.limits |= kLimitReach;
   }
   const double elapsed = stepTime(stamp);
   if (approach(next_.translation, translation, limits_.max_translation_rate * elapsed))
-    limits |= kLimitRate;
-  if (approach(next_.rotation, rotation, limits_.max_rotation_rate * elapsed)) limits |= kLimitRate;
-  limits |= keepWithinLimits(now, desired, true, true);
+    output.limits |= kLimitRate;
+  if (approach(next_.rotation, rotation, limits_.max_rotation_rate * elapsed))
+    output.limits |= kLimitRate;
+  keepWithinLimits(now, desired, true, true, output);
   next_.started = true;
   next_.last_stamp = stamp;
   prepared_ = true;
 
   const bool corrected = !(next_.translation.isZero(0.0) && next_.rotation.isZero(0.0));
-  output.limits = limits;
   output.command = desired;
   if (!next_.translation.isZero(0.0)) output.command.p += next_.translation;
   if (!next_.rotation.isZero(0.0))
     output.command.q = (desired.q * expRotation(next_.rotation)).normalized();
-  if ((limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
+  if ((output.limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
   if (corrected && !reach_.reaches(output.command)) {
     output.code = CorrectorCode::kRefusedUnreachable;
     return output;

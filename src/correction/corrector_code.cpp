@@ -81,4 +81,18 @@ CorrectorMode correctorModeFromName(const std::string& name) {
       format("mode \"%s\" is not known; one of off, rigid, full, endpoint", name.c_str()));
 }
 
+const char* toolKnownByName(ToolKnownBy by) noexcept {
+  switch (by) {
+    case ToolKnownBy::kNotAsked:
+      return "not asked";
+    case ToolKnownBy::kMeasured:
+      return "measured_cp";
+    case ToolKnownBy::kLastCommand:
+      return "last command";
+    case ToolKnownBy::kNothing:
+      break;
+  }
+  return "nothing";
+}
+
 }  // namespace raven_correction

@@ -105,6 +105,7 @@ void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
   if (output.distance > distance_.load(std::memory_order_relaxed))
     distance_.store(output.distance, std::memory_order_relaxed);
   if ((output.limits & kPlannerBeyond) != 0) ++beyond_;
+  if (!isRefused(output.code)) tool_known_by_.store(output.tool_known_by);
   const boost::shared_ptr<CorrectionStatus> status = statuses_.next();
   status->header.stamp = stamp;
   status->header.frame_id = params_.base_frame;
@@ -149,7 +150,8 @@ void CorrectedArm::onPath(const geometry_msgs::PoseArray& path) {
 void CorrectedArm::onMeasured(const geometry_msgs::PoseStampedConstPtr& measured) {
   const std::string& frame = measured->header.frame_id;
   if (!sameName(frame, params_.base_frame) && !(frame.empty() && params_.allow_empty_frame)) return;
-  corrector_.setMeasured(ros::Time::now().toSec(), poseFromMsg(measured->pose));
+  corrector_.setMeasured(measured->header.stamp.toSec(), ros::Time::now().toSec(),
+                         poseFromMsg(measured->pose));
 }
 
 // --- told by others ------------------------------------------------------------------------------
@@ -239,6 +241,8 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.add("share limited", share(of(CorrectorCode::kCorrectedLimited)));
   status.add("share refused", share(refused));
   status.add("share of poses beyond the robot's step", share(beyond));
+  const ToolKnownBy tool = tool_known_by_;
+  status.add("tool known by", toolKnownByName(tool));
   status.add("furthest from the trained region [m]", format("%.4f", distance_.exchange(0.0)));
   status.add("model", model_.id.empty() ? "none" : model_.id);
   if (model_.trained_at > 0.0)
@@ -258,6 +262,11 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
                     of(CorrectorCode::kCorrectedLimited));
   if (corrector_.hold() == CorrectionHold::kRobotNotReady)
     status.mergeSummary(Level::WARN, "the robot is not enabled and homed: nothing is corrected");
+  if (all > 0 && (tool == ToolKnownBy::kLastCommand || tool == ToolKnownBy::kNothing))
+    status.mergeSummaryf(
+        Level::WARN, "no fresh %s says where the tool is: the robot's step is taken from the %s",
+        measured_subscriber_.getTopic().c_str(),
+        tool == ToolKnownBy::kNothing ? "next command on" : "last command");
   if (beyond > 0)
     status.mergeSummary(Level::WARN, "the planner's poses are further than the robot's step");
   if (!refusal_.empty()) status.mergeSummary(Level::WARN, "a model was refused: " + refusal_);

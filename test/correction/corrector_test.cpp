@@ -438,14 +438,48 @@ TEST_F(CorrectorTest, WithoutAMeasuredPoseTheLastCommandIsWhereTheToolIs) {
   const CorrectorOutput output = send(corrector, 1);
   EXPECT_NEAR((output.command.p - inside(0).p).norm(), 0.004, 1e-9);
   EXPECT_TRUE(output.limits & kLimitRobotStep);
-  // A measured pose counts for max_measured_age, and only if it is one.
-  Pose tool = inside(2);
+  EXPECT_EQ(output.tool_known_by, ToolKnownBy::kLastCommand);
+}
+
+TEST_F(CorrectorTest, AMeasuredPoseCountsForAsLongAsItsStampIsNearTheClock) {
+  CorrectorLimits limits = looseLimits();
+  limits.robot.max_step = 0.004;
+  limits.max_measured_age = 0.1;
+  Corrector corrector(limits);
+  corrector.setModel(model_);
+  corrector.setMode(CorrectorMode::kFull);
+  Pose tool = inside(0);
   tool.p.x() -= 0.003;
-  corrector.setMeasured(stampOf(2), tool);
-  Pose bad = tool;
-  bad.p.x() = std::nan("");
-  corrector.setMeasured(stampOf(2), bad);
-  EXPECT_NEAR((send(corrector, 2).command.p - tool.p).norm(), 0.004, 1e-9);
+  const auto isTool = [&](const CorrectorOutput& output) {
+    return output.tool_known_by == ToolKnownBy::kMeasured &&
+           std::abs((output.command.p - tool.p).norm() - 0.004) < 1e-9;
+  };
+  EXPECT_EQ(send(corrector, 0).tool_known_by, ToolKnownBy::kNothing);
+  corrector.setMeasured(stampOf(1), stampOf(1), tool);
+  EXPECT_TRUE(isTool(send(corrector, 1)));
+  // What is no pose, has no stamp, is ahead of the clock or older than the last one changes
+  // nothing.
+  Pose other = inside(0), broken = tool;
+  other.p.x() += 0.02;
+  broken.p.x() = std::nan("");
+  corrector.setMeasured(stampOf(2), stampOf(2), broken);
+  corrector.setMeasured(0.0, stampOf(2), other);
+  corrector.setMeasured(std::nan(""), stampOf(2), other);
+  corrector.setMeasured(stampOf(2) + 0.11, stampOf(2), other);
+  corrector.setMeasured(stampOf(1), stampOf(2), other);
+  corrector.setMeasured(stampOf(0), stampOf(2), other);
+  EXPECT_TRUE(isTool(send(corrector, 2)));
+  // A clock that is a little behind that of the robot is no reason to know nothing.
+  corrector.setMeasured(stampOf(4), stampOf(3), tool);
+  EXPECT_TRUE(isTool(send(corrector, 3)));
+  // It ages by its stamp, not by when it came.
+  EXPECT_TRUE(isTool(send(corrector, 8)));
+  const Pose last = send(corrector, 9).command;
+  const CorrectorOutput output = send(corrector, 10);  // 0.12 s
+  EXPECT_EQ(output.tool_known_by, ToolKnownBy::kLastCommand);
+  EXPECT_LE((output.command.p - last.p).norm(), 0.004 + 1e-9);
+  corrector.setMeasured(stampOf(10), stampOf(16), tool);
+  EXPECT_EQ(send(corrector, 16).tool_known_by, ToolKnownBy::kLastCommand);
 }
 
 TEST_F(CorrectorTest, TheLivePathDoesNotAllocate) {

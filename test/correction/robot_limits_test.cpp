@@ -318,7 +318,7 @@ TEST(Corrector, TheBoxDoesNotBreakTheStepOfTheRobot) {
     corrector.setMode(CorrectorMode::kFull);
     const Pose tool{randomVector(random, 0.008), Eigen::Quaterniond::Identity()};
     const Pose desired{randomVector(random, 0.005), Eigen::Quaterniond::Identity()};
-    corrector.setMeasured(100.0, tool);
+    corrector.setMeasured(100.0, 100.0, tool);
     const CorrectorOutput output = corrector.correct(100.0, 100.0, desired, false);
     boxed += (output.limits & kLimitBox) != 0;
     EXPECT_LE((output.command.p - tool.p).norm(),

@@ -446,6 +446,34 @@ TEST_F(CrtkCorrectorFaults, CorrectionIsReducedToTheStepTheRobotTakes) {
   }));
 }
 
+TEST_F(CrtkCorrectorFaults, MeasuredPosesWithoutAFreshStampAreNotBelieved) {
+  // The tool is said to be 10 mm behind the planner, by poses that say nothing: the command is then
+  // not within the robot's step of there, and diagnostics say by what the tool is known.
+  ASSERT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  const Pose command = poseFromMsg(probe_.statuses.back().command);
+  Pose tool = kInBox;
+  tool.p -= 0.010 * (command.p - kInBox.p).normalized();
+  for (const double age : {0.0, 5.0, -30.0}) {
+    geometry_msgs::TransformStamped measured = probe_.message(tool, "");
+    measured.header.stamp -= ros::Duration(age);
+    if (age == 0.0) measured.header.stamp = ros::Time(0);
+    probe_.diagnostics.clear();
+    EXPECT_TRUE(probe_.until([&] {
+      state_.publish(operatingState("ENABLED", true));
+      measured_.publish(measured);
+      const CorrectionStatus status = probe_.send(probe_.message(kInBox, ""));
+      EXPECT_LT((poseFromMsg(status.command).p - command.p).norm(), 1e-3) << age;
+      for (const auto& said : probe_.diagnostics)
+        if (said.level == diagnostic_msgs::DiagnosticStatus::WARN &&
+            said.message.find("says where the tool is") != std::string::npos)
+          return true;
+      return false;
+    })) << age;
+  }
+}
+
 TEST_F(CrtkCorrectorFaults, CorrectionIsReducedToTheTurnTheRobotTakes) {
   Pose tool = kInBox;
   ASSERT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, [](const CorrectionStatus& status) {

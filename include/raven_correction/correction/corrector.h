@@ -30,8 +30,9 @@ struct CorrectorLimits {
   /// is; all zero: no box. [m]
   Eigen::Vector3d box_min = Eigen::Vector3d::Zero();
   Eigen::Vector3d box_max = Eigen::Vector3d::Zero();
-  RobotLimits robot;              ///< what the native controller takes
-  double max_measured_age = 0.1;  ///< an older pose of the tool is not used, > 0 [s]
+  RobotLimits robot;  ///< what the native controller takes
+  /// A pose of the tool whose stamp is further from the clock is not used, > 0 [s]
+  double max_measured_age = 0.1;
 };
 
 struct CorrectorOutput {
@@ -43,6 +44,7 @@ struct CorrectorOutput {
   std::uint8_t limits = 0;                                ///< bits of CorrectorLimit
   double distance = 0.0;  ///< of the desired pose from the box of the training poses [m]
   const std::string* model = nullptr;  ///< id of the model used, or null
+  ToolKnownBy tool_known_by = ToolKnownBy::kNotAsked;
 };
 
 /// One corrector serves one stream of desired poses from one thread; setModel() and setMode()
@@ -73,9 +75,11 @@ class Corrector {
   void setTuning(double gain, double max_translation, double max_rotation);
 
   /// Where the tool is by its encoders, in the base frame, for robot.max_step and robot.max_turn.
-  /// Of the live thread; ignored unless it is a pose.
-  /// @param now  the clock [s]
-  void setMeasured(double now, const Pose& measured) noexcept;
+  /// Of the live thread. Ignored unless it is a pose with a stamp that is newer than the last one,
+  /// not 0 (CRTK: not valid) and not ahead of the clock by more than max_measured_age.
+  /// @param stamp  when it was there [s]
+  /// @param now    the clock [s]
+  void setMeasured(double stamp, double now, const Pose& measured) noexcept;
 
   /// The code with which correct() would refuse the pose for what it is, not counting
   /// kRefusedUnreachable; nothing if it would not. Changes no state.
@@ -139,7 +143,8 @@ class Corrector {
   void discard() noexcept;
   void takeBackAfterHold(double stamp) noexcept;
   double stepTime(double stamp) const noexcept;
-  std::uint8_t keepWithinLimits(double now, Pose desired, bool position, bool orientation) noexcept;
+  void keepWithinLimits(double now, Pose desired, bool position, bool orientation,
+                        CorrectorOutput& output) noexcept;
 
   CorrectorLimits limits_;
   bool has_box_ = false;

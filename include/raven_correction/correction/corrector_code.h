@@ -58,4 +58,14 @@ enum CorrectorLimit : std::uint8_t {
   kPlannerBeyond = 32,  ///< the desired pose itself is further from the tool than the robot takes
 };
 
+/// What says where the tool is, for the robot's own step.
+enum class ToolKnownBy {
+  kNotAsked,     ///< no limit of the robot is set
+  kMeasured,     ///< its encoders
+  kLastCommand,  ///< they are silent: it is taken to be where it was sent last
+  kNothing,      ///< nothing was sent yet, either: the robot's step is not limited
+};
+/// "not asked", "measured_cp", "last command", "nothing".
+const char* toolKnownByName(ToolKnownBy by) noexcept;
+
 }  // namespace raven_correction

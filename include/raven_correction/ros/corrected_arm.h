@@ -103,6 +103,7 @@ class CorrectedArm {
   LatencyHistogram latency_;
   std::atomic<double> distance_{0.0};
   std::atomic<std::uint64_t> beyond_{0};
+  std::atomic<ToolKnownBy> tool_known_by_{ToolKnownBy::kNotAsked};
 
   // Guarded by mutex_.
   std::mutex mutex_;
