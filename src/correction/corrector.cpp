@@ -180,8 +180,9 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
   }
   wanted = prediction.command;
   output.code = CorrectorCode::kCorrected;
+  const Correction& model = live->predictor.model();
   const bool rigid_only =
-      mode == CorrectorMode::kRigid || live->predictor.model().process.groups.empty();
+      mode == CorrectorMode::kRigid || (model.process.groups.empty() && model.physics.empty());
   if (rigid_only) {
     wanted = prediction.g_share == 1.0 ? prediction.rigid
                                        : interpolate(desired, prediction.rigid, prediction.g_share);
@@ -190,7 +191,8 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
   }
   if (prediction.g_share == 0.0)
     output.code = CorrectorCode::kPassedOutside;
-  else if (prediction.g_share < 1.0 || (prediction.h_share < 1.0 && !rigid_only))
+  else if (prediction.g_share < 1.0 ||
+           (prediction.status == Prediction::Status::kFaded && !rigid_only))
     output.code = CorrectorCode::kCorrectedFaded;
   return output;
 }

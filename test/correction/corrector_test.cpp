@@ -70,6 +70,48 @@ TEST_F(CorrectorTest, TheFullCorrectionIsThatOfThePredictor) {
   }
 }
 
+TEST_F(CorrectorTest, AModelOfAnyKindIsWhatThePredictorMakesOfIt) {
+  const auto desired = [](int i) {
+    return Pose{{-0.02 + 1e-4 * i, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
+  };
+  for (const bool physics : {false, true}) {
+    for (const bool process : {false, true}) {
+      Correction model = model_;
+      model.trust.workspace_min.setConstant(-1.0);
+      model.trust.workspace_max.setConstant(1.0);
+      if (!process) model.process = {};
+      if (physics) {
+        model.physics.texts =
+            simulationTexts(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+        model.physics.timing = {model.delay, 0.01, 100.0};
+      }
+      CorrectorLimits limits = looseLimits();
+      limits.max_translation = 0.2;
+      limits.max_rotation = 3.0;
+      Corrector corrector(limits);
+      corrector.setModel(model);
+      corrector.setMode(CorrectorMode::kFull);
+      const Predictor predictor(model);
+      const auto workspace = predictor.makeWorkspace();
+      MotionEstimator estimator(model.motion);
+      for (int i = 0; i < 40; ++i) {
+        const CorrectorOutput output = corrector.correct(stampOf(i), stampOf(i), desired(i), false);
+        estimator.push(stampOf(i), desired(i));
+        const Prediction expected = predictor.predict(estimator.motion(), *workspace);
+        ASSERT_LT((output.command.p - expected.command.p).norm(), 1e-12) << physics << process;
+        ASSERT_LT(rotationAngle(output.command.q, expected.command.q), 1e-12);
+        if (physics) {
+          ASSERT_GT((output.command.p - expected.rigid.p).norm(), 1e-3);
+        }
+        if (!process) {
+          EXPECT_EQ(output.code, physics ? CorrectorCode::kCorrected : CorrectorCode::kRigidOnly);
+          EXPECT_EQ(output.h_share, 0.0);
+        }
+      }
+    }
+  }
+}
+
 TEST_F(CorrectorTest, RigidModeIsTheRigidStepAlone) {
   Corrector corrector(looseLimits());
   corrector.setModel(model_);
