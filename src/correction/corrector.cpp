@@ -34,6 +34,15 @@ void checkLimits(const CorrectorLimits& limits) {
                               limits.max_age, limits.max_ahead));
 }
 
+/// Remembers poses 2 ms apart for at least 2 s.
+MotionOptions untilThereIsAModel() {
+  MotionOptions options;
+  options.velocity = VelocityKind::kNone;
+  options.window = 1.0;
+  options.max_gap = 10.0;  // what a gap is, a model says
+  return options;
+}
+
 /// Shortens v to `longest`; says whether it had to.
 bool shorten(Eigen::Vector3d& v, double longest) noexcept {
   const double length = v.norm();
@@ -60,7 +69,8 @@ Corrector::Corrector(const CorrectorLimits& limits)
       has_box_(!limits.box_min.isZero(0.0) || !limits.box_max.isZero(0.0)),
       reach_(limits.robot),
       max_translation_(limits.max_translation),
-      max_rotation_(limits.max_rotation) {
+      max_rotation_(limits.max_rotation),
+      before_models_(untilThereIsAModel()) {
   checkLimits(limits);
 }
 
@@ -85,7 +95,9 @@ void Corrector::setMeasured(double stamp, double now, const Pose& measured) noex
 }
 
 void Corrector::setModel(const Correction& model) {
-  models_.push_back(std::make_unique<Live>(model));
+  auto live = std::make_unique<Live>(model);
+  if (!models_.empty() && models_.back()->predictor.model().id == model.id) return;
+  models_.push_back(std::move(live));
   live_.store(models_.back().get(), std::memory_order_release);
 }
 
@@ -94,7 +106,7 @@ void Corrector::restart() noexcept {
   stream_.started = false;
   stream_.commanded = false;
   measured_at_ = -std::numeric_limits<double>::infinity();
-  if (Live* const live = live_.load(std::memory_order_acquire)) live->estimator.reset();
+  follower_->reset();
 }
 
 /// What a hold takes back while no pose comes. Its end is not timed: all of the silence counts, so
@@ -218,6 +230,14 @@ void Corrector::discard() noexcept {
   reach_.discard();
 }
 
+/// Each model has its own way of telling a motion, but there is one motion.
+void Corrector::follow(MotionEstimator& follower, double stamp, const Pose& desired) noexcept {
+  if (&follower != follower_) follower.takeOver(*follower_);
+  follower_ = &follower;
+  const bool accepted = follower.push(stamp, desired) == MotionEstimator::Outcome::kAccepted;
+  followed_ = accepted ? &follower : nullptr;
+}
+
 void Corrector::commit() noexcept {
   if (!prepared_) return;
   prepared_ = false;
@@ -275,11 +295,7 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
   takeBackAfterHold(stamp);
   reach_.follow(desired);
   Live* const live = live_.load(std::memory_order_acquire);
-  // The estimator of a new model starts with its first pose, as at the start of a motion.
-  followed_ = nullptr;
-  if (live != nullptr &&
-      live->estimator.push(stamp, desired) == MotionEstimator::Outcome::kAccepted)
-    followed_ = &live->estimator;
+  follow(live != nullptr ? live->estimator : before_models_, stamp, desired);
   Pose wanted;
   output = aim(live, desired, endpoint, wanted);
 

@@ -76,6 +76,17 @@ void MotionEstimator::reset() noexcept {
   count_ = 0;
 }
 
+void MotionEstimator::takeOver(const MotionEstimator& other) noexcept {
+  reset();
+  started_ = other.started_;
+  last_stamp_ = other.last_stamp_;
+  for (std::size_t i = 0; i < other.count_; ++i) {
+    const StampedPose& sample = other.samples_[i];
+    if (count_ > 0 && sample.stamp - samples_[count_ - 1].stamp > options_.max_gap) count_ = 0;
+    remember(sample);
+  }
+}
+
 void MotionEstimator::remember(const StampedPose& sample) noexcept {
   // A burst overwrites the newest place, so that the history always reaches far enough back.
   const bool burst = count_ >= 2 && sample.stamp - samples_[count_ - 2].stamp < thinning_;

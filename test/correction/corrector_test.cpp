@@ -165,6 +165,39 @@ TEST_F(CorrectorTest, EveryBadInputIsRefusedWithItsCodeAndChangesNothing) {
   EXPECT_TRUE(same(send(corrector, 10).command, send(undisturbed, 10).command));
 }
 
+TEST_F(CorrectorTest, ANewModelKnowsTheMotionSoFar) {
+  Correction first = simpleModel(VelocityKind::kPast), again = first;
+  again.id = "the same under another name";
+  const auto moving = [](int i) {  // 50 mm/s: the velocity counts
+    return Pose{{-0.04 + 1e-3 * i, 0.01, -0.01}, expRotation({0.02, 0.0, 1e-3 * i})};
+  };
+  Corrector swapped(looseLimits()), late(looseLimits()), undisturbed(looseLimits());
+  swapped.setModel(first);
+  undisturbed.setModel(first);
+  for (Corrector* const corrector : {&swapped, &late, &undisturbed})
+    corrector->setMode(CorrectorMode::kFull);
+  for (int i = 0; i < 60; ++i) {
+    if (i == 30) swapped.setModel(again);
+    if (i == 35) swapped.setModel(again);  // sent again
+    if (i == 30) late.setModel(first);
+    const Pose expected = undisturbed.correct(stampOf(i), stampOf(i), moving(i), false).command;
+    const CorrectorOutput output = swapped.correct(stampOf(i), stampOf(i), moving(i), false);
+    ASSERT_TRUE(same(output.command, expected)) << i;
+    ASSERT_EQ(*output.model, i < 30 ? first.id : again.id);
+    const Pose after = late.correct(stampOf(i), stampOf(i), moving(i), false).command;
+    if (i >= 30) {
+      ASSERT_LT((after.p - expected.p).norm(), 1e-12) << i;
+    }
+  }
+  // It would have mattered: one that knows nothing of the motion so far answers something else.
+  Corrector ignorant(looseLimits());
+  ignorant.setModel(first);
+  ignorant.setMode(CorrectorMode::kFull);
+  const Pose alone = ignorant.correct(stampOf(60), stampOf(60), moving(60), false).command;
+  const Pose expected = undisturbed.correct(stampOf(60), stampOf(60), moving(60), false).command;
+  EXPECT_GT((alone.p - expected.p).norm(), 1e-5);
+}
+
 TEST_F(CorrectorTest, WhatIsPreparedAndNotSentChangesNothing) {
   // With a limit about the last command, a hold, a silence and swaps: all that a pose may change.
   CorrectorLimits limits;
@@ -573,8 +606,10 @@ TEST_F(CorrectorTest, ModelsMaySwapWhilePosesFlow) {
   std::atomic<bool> stop{false};
   std::atomic<int> swaps{0};
   std::thread setter([&] {
+    Correction next = model_;
     while (!stop && swaps < 50) {
-      corrector.setModel(model_);
+      next.id = std::to_string(swaps);  // another one each time
+      corrector.setModel(next);
       ++swaps;
     }
   });

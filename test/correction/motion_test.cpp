@@ -103,6 +103,36 @@ TEST(MotionEstimator, ASampleThatIsTakenBackLeavesNoTrace) {
   }
 }
 
+TEST(MotionEstimator, OneThatTakesOverKnowsWhatTheOtherKnew) {
+  for (const VelocityKind kind : {VelocityKind::kCausal, VelocityKind::kPast}) {
+    MotionOptions other_options;
+    other_options.velocity = VelocityKind::kNone;
+    other_options.window = 1.0;
+    other_options.max_gap = 10.0;
+    MotionOptions options;
+    options.velocity = kind;
+    for (const bool gap : {false, true}) {
+      MotionEstimator other(other_options), late(options), all_along(options);
+      double t = 1.0;
+      for (int i = 0; i < 300; ++i, t += 0.004) {
+        if (gap && i == 280) t += 1.0;  // longer than max_gap
+        other.push(t, at(t).pose);
+        all_along.push(t, at(t).pose);
+      }
+      late.takeOver(other);
+      EXPECT_EQ(late.push(t - 0.01, at(t).pose), Outcome::kBackwards);
+      late.push(t, at(t).pose);
+      all_along.push(t, at(t).pose);
+      EXPECT_GT(all_along.motion().twists[0].v.norm(), 0.05);
+      EXPECT_EQ(late.motion().step, all_along.motion().step);
+      for (std::size_t k = 0; k < twistCount(options); ++k) {
+        EXPECT_EQ(late.motion().twists[k].v, all_along.motion().twists[k].v) << k;
+        EXPECT_EQ(late.motion().twists[k].w, all_along.motion().twists[k].w) << k;
+      }
+    }
+  }
+}
+
 TEST(MotionEstimator, ABurstDoesNotShortenItsMemory) {
   // At 20 kHz, 0.4 s are 8000 samples, many more than are remembered.
   MotionOptions options;

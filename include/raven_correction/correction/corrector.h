@@ -55,7 +55,9 @@ class Corrector {
   /// @throws InvalidInput  a limit out of its range
   explicit Corrector(const CorrectorLimits& limits);
 
-  /// Takes effect with the next pose; the limit on the rate of the correction is the blend.
+  /// Takes effect with the next pose; the limit on the rate of the correction is the blend. It
+  /// knows the motion so far. Nothing happens if the model in use has the same id: trainers that
+  /// start again repeat themselves.
   /// @throws InvalidInput  see Predictor
   void setModel(const Correction& model);
   void setMode(CorrectorMode mode) noexcept { mode_.store(mode, std::memory_order_relaxed); }
@@ -141,6 +143,7 @@ class Corrector {
   CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
 
   void discard() noexcept;
+  void follow(MotionEstimator& follower, double stamp, const Pose& desired) noexcept;
   void takeBackAfterHold(double stamp) noexcept;
   double stepTime(double stamp) const noexcept;
   void keepWithinLimits(double now, Pose desired, bool position, bool orientation,
@@ -167,11 +170,13 @@ class Corrector {
   };
 
   // Of the live thread.
-  Stream stream_;                        // of the poses that count
-  Stream next_;                          // after commit()
-  bool prepared_ = false;                // next_ is valid
-  bool held_seen_ = false;               // by next_
-  MotionEstimator* followed_ = nullptr;  // has the pose of next_, too; null: none has
+  Stream stream_;                                // of the poses that count
+  Stream next_;                                  // after commit()
+  bool prepared_ = false;                        // next_ is valid
+  bool held_seen_ = false;                       // by next_
+  MotionEstimator* followed_ = nullptr;          // has the pose of next_, too; null: none has
+  MotionEstimator before_models_;                // follows the motion until there is a model
+  MotionEstimator* follower_ = &before_models_;  // who follows it now
   Pose measured_;
   double measured_at_ = -std::numeric_limits<double>::infinity();
 };

@@ -69,6 +69,9 @@ class MotionEstimator {
   void undo() noexcept;
   /// Of the last accepted sample.
   const Motion& motion() const noexcept { return motion_; }
+  /// Goes on with the motion that another one has followed, as far back as it remembers and
+  /// max_gap allows; motion() is of the next sample.
+  void takeOver(const MotionEstimator& other) noexcept;
   /// Forgets everything: the next sample is the first of a motion.
   void reset() noexcept;
 
