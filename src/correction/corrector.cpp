@@ -153,32 +153,39 @@ void Corrector::keepWithinLimits(double now, Pose desired, bool position, bool o
                                              : ToolKnownBy::kNothing;
 }
 
-/// The pose that the mode wants, before limits, and why.
-CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
-                               Pose& wanted) noexcept {
+/// What all answers begin with.
+CorrectorOutput Corrector::answer() const noexcept {
   CorrectorOutput output;
+  output.mode = mode_.load(std::memory_order_relaxed);
+  output.gain = gain_.load(std::memory_order_relaxed);
+  return output;
+}
+
+/// The pose that the mode wants, before limits, and why.
+void Corrector::aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted,
+                    CorrectorOutput& output) noexcept {
   wanted = desired;
-  const CorrectorMode mode = mode_.load(std::memory_order_relaxed);
+  const CorrectorMode mode = output.mode;
   if (mode == CorrectorMode::kOff) {
     output.code = CorrectorCode::kPassedOff;
-    return output;
+    return;
   }
   const CorrectionHold hold = hold_.load(std::memory_order_relaxed);
   if (hold != CorrectionHold::kNone) {
     output.code = hold == CorrectionHold::kRobotNotReady ? CorrectorCode::kPassedRobotNotReady
                                                          : CorrectorCode::kPassedOtherPublisher;
-    return output;
+    return;
   }
   if (live == nullptr) {
     output.code = CorrectorCode::kPassedNoModel;
-    return output;
+    return;
   }
   const TrustRegion& trust = live->predictor.model().trust;
   output.distance =
       (desired.p - desired.p.cwiseMax(trust.workspace_min).cwiseMin(trust.workspace_max)).norm();
   if (mode == CorrectorMode::kEndpoint && !endpoint) {
     output.code = CorrectorCode::kPassedBetweenEndpoints;
-    return output;
+    return;
   }
   const Prediction prediction = live->predictor.predict(live->estimator.motion(), *live->workspace);
   output.model = &live->predictor.model().id;
@@ -188,7 +195,7 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
   if (prediction.status == Prediction::Status::kModelFault) {
     output.code = CorrectorCode::kPassedModelFault;
     output.h_share = 0.0;
-    return output;
+    return;
   }
   wanted = prediction.command;
   output.code = CorrectorCode::kCorrected;
@@ -206,7 +213,6 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
   else if (prediction.g_share < 1.0 ||
            (prediction.status == Prediction::Status::kFaded && !rigid_only))
     output.code = CorrectorCode::kCorrectedFaded;
-  return output;
 }
 
 std::optional<CorrectorCode> Corrector::fault(double stamp, double now,
@@ -257,7 +263,7 @@ double Corrector::stepTime(double stamp) const noexcept {
 CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& desired,
                                         bool position, bool orientation) noexcept {
   discard();
-  CorrectorOutput output;
+  CorrectorOutput output = answer();
   output.code = CorrectorCode::kPassedNotAbsolute;
   output.command = desired;
   next_ = stream_;
@@ -284,7 +290,7 @@ CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& de
 CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired,
                                    bool endpoint) noexcept {
   discard();
-  CorrectorOutput output;
+  CorrectorOutput output = answer();
   output.command = desired;
   if (const auto code = fault(stamp, now, desired)) {
     output.code = *code;
@@ -297,11 +303,10 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
   Live* const live = live_.load(std::memory_order_acquire);
   follow(live != nullptr ? live->estimator : before_models_, stamp, desired);
   Pose wanted;
-  output = aim(live, desired, endpoint, wanted);
+  aim(live, desired, endpoint, wanted, output);
 
-  const double gain = gain_.load(std::memory_order_relaxed);
-  Eigen::Vector3d translation = gain * (wanted.p - desired.p);
-  Eigen::Vector3d rotation = gain * logRotation(desired.q.conjugate() * wanted.q);
+  Eigen::Vector3d translation = output.gain * (wanted.p - desired.p);
+  Eigen::Vector3d rotation = output.gain * logRotation(desired.q.conjugate() * wanted.q);
   if (shorten(translation, max_translation_.load(std::memory_order_relaxed)))
     output.limits |= kLimitSize;
   if (shorten(rotation, max_rotation_.load(std::memory_order_relaxed))) output.limits |= kLimitSize;
@@ -322,7 +327,6 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
   prepared_ = true;
 
   const bool corrected = !(next_.translation.isZero(0.0) && next_.rotation.isZero(0.0));
-  output.command = desired;
   if (!next_.translation.isZero(0.0)) output.command.p += next_.translation;
   if (!next_.rotation.isZero(0.0))
     output.command.q = (desired.q * expRotation(next_.rotation)).normalized();

@@ -74,10 +74,11 @@ CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
                                       double now) noexcept {
   prepared_ = request.kind != ArmRequest::Kind::kInactive;
   next_known_ = known_;
+  CorrectorOutput output;
   if (!prepared_) {
-    CorrectorOutput output;
     output.command = request.pose;
     output.code = CorrectorCode::kPassedInactive;
+    output.mode = corrector_.mode();
     return output;
   }
   // Increments add up in the controller: after one, that part is not known any more.
@@ -87,9 +88,12 @@ CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
   if (request.orientation) next_known_.orientation = orientation;
   if (position) next_known_.pose.p = request.pose.p;
   if (orientation) next_known_.pose.q = request.pose.q;
-  if (next_known_.position && next_known_.orientation)
-    return corrector_.prepare(stamp, now, next_known_.pose, isEndpoint(next_known_.pose));
-  return corrector_.prepareParts(stamp, now, request.pose, position, orientation);
+  if (!next_known_.position || !next_known_.orientation)
+    return corrector_.prepareParts(stamp, now, request.pose, position, orientation);
+  output = corrector_.prepare(stamp, now, next_known_.pose, isEndpoint(next_known_.pose));
+  if (!request.position) output.command.p = request.pose.p;
+  if (!request.orientation) output.command.q = request.pose.q;
+  return output;
 }
 
 void CorrectedArm::commit(bool sent) noexcept {
@@ -110,7 +114,9 @@ void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
   status->header.stamp = stamp;
   status->header.frame_id = params_.base_frame;
   status->code = static_cast<std::uint8_t>(output.code);
-  status->mode = correctorModeName(corrector_.mode());
+  // A message that was refused before the arms were asked knows no mode.
+  status->mode = correctorModeName(isRefused(output.code) ? corrector_.mode() : output.mode);
+  status->gain = output.gain;
   if (output.model != nullptr)
     status->model = *output.model;
   else

@@ -415,7 +415,10 @@ TEST_F(CorrectorTest, TheGainIsAShareOfTheCorrection) {
   corrector.setMode(CorrectorMode::kRigid);
   const Eigen::Vector3d full = send(corrector, 0).command.p - inside(0).p;
   corrector.setTuning(0.25, 0.06, 0.8);
-  const Pose quarter = send(corrector, 1).command;
+  const CorrectorOutput output = send(corrector, 1);
+  const Pose quarter = output.command;
+  EXPECT_EQ(output.gain, 0.25);
+  EXPECT_EQ(output.mode, CorrectorMode::kRigid);
   const Eigen::Vector3d wanted = 0.25 * ((model_.rigid * inside(1)).p - inside(1).p);
   EXPECT_LT((quarter.p - inside(1).p - wanted).norm(), 1e-12);
   EXPECT_GT(full.norm(), 0.01);

@@ -291,7 +291,7 @@ TEST_F(CorrectorFaults, GainAndLimitsChangeLiveWithinTheStepLimit) {
   ASSERT_GT(full, 0.01);
   set("gain", 0.5);
   EXPECT_TRUE(probe_.sendUntil(kInside, [&](const CorrectionStatus& status) {
-    return std::abs(length(status) - 0.5 * full) < 1e-4;
+    return std::abs(length(status) - 0.5 * full) < 1e-4 && status.gain == 0.5;
   }));
   set("gain", 0.0);
   EXPECT_TRUE(probe_.sendUntil(

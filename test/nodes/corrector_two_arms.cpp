@@ -233,8 +233,12 @@ TEST_F(TwoArms, PartsThatCannotBeCorrectedGiveTheirCorrectionBackInSteps) {
 
   // An orientation that was absolute all the time is known: a position alone is corrected at once.
   asked.option = kRavenPositionEnabled;
+  asked.pose.q = {0.0, 1.0, 0.0, 0.0};  // not asked for: of no meaning, and not sent
   send({asked, Asked{rest}});
   EXPECT_EQ(code(kLeft), CorrectionStatus::RIGID_ONLY);
+  EXPECT_EQ(statuses_[kLeft].back().command.orientation,
+            statuses_[kLeft].back().desired.orientation);
+  asked.pose.q = desired.q;
   asked.option = kMovedBy;
   asked.pose.p.setZero();
   send({asked, Asked{rest}});

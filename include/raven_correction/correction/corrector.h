@@ -37,12 +37,14 @@ struct CorrectorLimits {
 
 struct CorrectorOutput {
   CorrectorCode code = CorrectorCode::kRefusedNotFinite;
-  Pose command;                                           ///< valid unless refused
+  CorrectorMode mode = CorrectorMode::kOff;  ///< in which it was answered
+  double gain = 1.0;                         ///< share of the correction that was asked for [-]
+  Pose command;                              ///< valid unless refused
   Eigen::Vector3d sd_position = Eigen::Vector3d::Zero();  ///< see Prediction [m]
   Eigen::Vector3d sd_rotation = Eigen::Vector3d::Zero();  ///< see Prediction [rad]
-  double h_share = 0.0;                                   ///< share of H in the command
-  std::uint8_t limits = 0;                                ///< bits of CorrectorLimit
-  double distance = 0.0;  ///< of the desired pose from the box of the training poses [m]
+  double h_share = 0.0;     ///< share of H in what the model says, before gain and limits
+  std::uint8_t limits = 0;  ///< bits of CorrectorLimit
+  double distance = 0.0;    ///< of the desired pose from the box of the training poses [m]
   const std::string* model = nullptr;  ///< id of the model used, or null
   ToolKnownBy tool_known_by = ToolKnownBy::kNotAsked;
 };
@@ -140,7 +142,9 @@ class Corrector {
     MotionEstimator estimator;
   };
 
-  CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
+  CorrectorOutput answer() const noexcept;
+  void aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted,
+           CorrectorOutput& output) noexcept;
 
   void discard() noexcept;
   void follow(MotionEstimator& follower, double stamp, const Pose& desired) noexcept;
