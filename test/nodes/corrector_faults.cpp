@@ -518,6 +518,9 @@ TEST(PickyCorrectorFaults, ModelOfAnotherArmOrToolIsRefused) {
   mine.tool = "needle_driver";
   probe.publishModel(mine);
   EXPECT_TRUE(refused("needle_driver"));
+  mine.tool.clear();
+  probe.publishModel(mine);
+  EXPECT_TRUE(refused("does not say for which tool"));
   EXPECT_EQ(probe.send(kInside).code, CorrectionStatus::PASSED_NO_MODEL);
   mine.tool = "grasper_8mm";
   probe.publishModel(mine);
