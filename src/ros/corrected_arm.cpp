@@ -12,7 +12,8 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kSamePlace = 1e-6;  ///< an end of the path is this near [m, rad]
+constexpr double kSamePlace = 1e-6;     ///< an end of the path is this near [m, rad]
+constexpr double kMasterSilence = 5.0;  ///< of the master, that is worth a warning [s]
 
 CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams& arm) {
   CorrectorLimits limits = params.limits;
@@ -35,6 +36,7 @@ CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& pri
       params_(params),
       arm_(arm),
       corrector_(limitsOf(params, arm)),
+      master_heard_at_(ros::SteadyTime::now().toSec()),
       reported_at_(ros::SteadyTime::now()),
       diagnostics_(nh, private_nh, private_nh.getNamespace()) {
   corrector_.setTuning(params.gain, params.limits.max_translation, params.limits.max_rotation);
@@ -197,21 +199,6 @@ void CorrectedArm::noteHoming(double now) {
   homed_at_ = now;
 }
 
-void CorrectedArm::addTo(Registrations& registrations) const {
-  registrations.add(status_publisher_.getTopic(), ros::message_traits::datatype<CorrectionStatus>(),
-                    true);
-  registrations.add(model_subscriber_.getTopic(), ros::message_traits::datatype<CorrectionModel>(),
-                    false);
-  registrations.add(path_subscriber_.getTopic(),
-                    ros::message_traits::datatype<geometry_msgs::PoseArray>(), false);
-  if (measured_subscriber_)
-    registrations.add(measured_subscriber_.getTopic(),
-                      params_.pose_type == "TransformStamped"
-                          ? ros::message_traits::datatype<geometry_msgs::TransformStamped>()
-                          : ros::message_traits::datatype<geometry_msgs::PoseStamped>(),
-                      false);
-}
-
 // --- diagnostics ---------------------------------------------------------------------------------
 
 void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -266,6 +253,12 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   else
     status.summaryf(Level::OK, "%lu poses: %lu passed unchanged, %lu limited", all, passed,
                     of(CorrectorCode::kCorrectedLimited));
+  const double silence = now.toSec() - master_heard_at_;
+  if (params_.watch_output && silence > kMasterSilence)
+    status.mergeSummaryf(Level::WARN,
+                         "the master has not answered for %.0f s: who else publishes commands is "
+                         "not known",
+                         silence);
   if (corrector_.hold() == CorrectionHold::kRobotNotReady)
     status.mergeSummary(Level::WARN, "the robot is not enabled and homed: nothing is corrected");
   if (all > 0 && (tool == ToolKnownBy::kLastCommand || tool == ToolKnownBy::kNothing))

@@ -47,23 +47,22 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
         params_.robot_state_topic, 1,
         boost::function<void(const ros::MessageEvent<AnyMessage const>&)>(
             [this](const ros::MessageEvent<AnyMessage const>& event) { onRobotState(event); }));
-    registrations_.add(robot_state_subscriber_.getTopic(), "*", false);
   }
   offerServices("", all);
-  for (CorrectedArm* const arm : all) {
-    arm->addTo(registrations_);
-    if (arms_.size() > 1) offerServices(arm->ns() + "/", {arm});
-  }
+  if (arms_.size() > 1)
+    for (CorrectedArm* const arm : all) offerServices(arm->ns() + "/", {arm});
   for (const ros::ServiceServer& service : services_)
     registrations_.addService(service.getService());
+  registrations_.addService(private_nh_.resolveName("set_parameters"));  // of dynamic_reconfigure
   tuning_ = std::make_unique<dynamic_reconfigure::Server<CorrectorConfig>>(private_nh_);
   tuning_->setCallback(
       [this](const CorrectorConfig& config, std::uint32_t /*level*/) { onTuning(config); });
   if (params_.watch_output) {
+    watchOutput();  // before the first pose
     ros::NodeHandle slow(nh_);
     slow.setCallbackQueue(&master_queue_);
     master_timer_ = slow.createWallTimer(ros::WallDuration(kMasterPeriod),
-                                         [this](const ros::WallTimerEvent&) { watchMaster(); });
+                                         [this](const ros::WallTimerEvent&) { watchOutput(); });
   }
   live_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &live_queue_);
   live_spinner_->start();
@@ -88,9 +87,6 @@ void CorrectorNode::subscribeDesired() {
       boost::function<void(const ros::MessageEvent<Message const>&)>(
           [this](const ros::MessageEvent<Message const>& event) { onDesired<Message>(event); }),
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
-  const char* const datatype = ros::message_traits::datatype<Message>();
-  registrations_.add(command_publisher_.getTopic(), datatype, true);
-  registrations_.add(desired_subscriber_.getTopic(), datatype, false);
 }
 
 // --- live ----------------------------------------------------------------------------------------
@@ -231,26 +227,36 @@ void CorrectorNode::updateHold() {
   for (const auto& arm : arms_) arm->setHold(hold);
 }
 
-void CorrectorNode::watchMaster() {
-  const MasterView view = askMaster(command_publisher_.getTopic());
+void CorrectorNode::noteMaster(const MasterView& view) {
   if (!view.answered) {
     if (!master_lost_) ROS_WARN("corrector: the master does not answer; correction goes on");
     master_lost_ = true;
     return;
   }
-  if (!view.registered && registrations_.repeat())
+  for (const auto& arm : arms_) arm->noteMaster();
+  if (!view.registered) forgotten_ = true;
+  if (forgotten_ && registrations_.repeat()) {
+    forgotten_ = false;
     ROS_WARN("corrector: the master was started anew and has been told of this node again");
-  else if (master_lost_)
+  } else if (master_lost_) {
     ROS_INFO("corrector: the master answers again");
+  }
   master_lost_ = false;
-  const bool alone = view.other_publishers.empty();
+  other_publisher_ = view.other_publishers.empty() ? "" : view.other_publishers.front();
+}
+
+void CorrectorNode::watchOutput() {
+  const std::string& topic = command_publisher_.getTopic();
+  noteMaster(askMaster(topic));
+  const bool here = publishersInThisProcess(topic) > 1;
+  const bool alone = !here && other_publisher_.empty();
   if (alone_.exchange(alone) == alone) return;
   updateHold();
   if (alone)
-    ROS_WARN("corrector: the only publisher on %s again", command_publisher_.getTopic().c_str());
+    ROS_WARN("corrector: the only publisher on %s again", topic.c_str());
   else
     ROS_ERROR("corrector: %s publishes on %s, too: nothing is corrected until it stops",
-              view.other_publishers.front().c_str(), command_publisher_.getTopic().c_str());
+              here ? "somebody in this process" : other_publisher_.c_str(), topic.c_str());
 }
 
 void CorrectorNode::onTuning(const CorrectorConfig& config) {

@@ -37,6 +37,7 @@ os.environ["ROS_LOG_DIR"] = str(FOLDER / "log")
 import rosbag  # noqa: E402 pylint: disable=wrong-import-position
 import rospy  # noqa: E402 pylint: disable=wrong-import-position
 import rosunit  # noqa: E402 pylint: disable=wrong-import-position
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402 pylint: disable=wrong-import-position
 from geometry_msgs.msg import PoseStamped  # noqa: E402 pylint: disable=wrong-import-position
 
 from raven_correction.msg import CorrectionModel, CorrectionStatus  # noqa: E402 pylint: disable=wrong-import-position
@@ -213,21 +214,27 @@ class CorrectorProcesses(unittest.TestCase):
                                model=str(write_model("master.bag", rigid_model())))
         planner = self.planner()
         self.assertTrue(planner.corrects())
-        kill(type(self).master)
-        first = len(planner.statuses)
-        self.assertTrue(until(lambda: len(planner.statuses) > first + 200))
-        type(self).master = start_master()
-        # The corrector tells the new master of itself, so that others find its topics and services.
         proxy = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
 
         def known():
-            publishers, subscribers, services = proxy.getSystemState("/test")[2]
-            return all("/arm/corrector" in dict(kind).get(name, []) for kind, name in (
-                (publishers, "/arm/servo_cp"), (publishers, "/arm/correction/status"),
-                (subscribers, "/arm/desired/servo_cp"), (subscribers, "/arm/correction/model"),
-                (services, "/arm/corrector/enable"), (services, "/arm/corrector/set_mode")))
+            return [sorted(name for name, nodes in kind if "/arm/corrector" in nodes)
+                    for kind in proxy.getSystemState("/test")[2]]
 
-        self.assertTrue(until(known))
+        before = known()
+        said = []
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, said.append)
+        self.addCleanup(diagnostics.unregister)
+        self.assertTrue(until(lambda: said))
+        kill(type(self).master)
+        first = len(planner.statuses)
+        self.assertTrue(until(lambda: len(planner.statuses) > first + 200))
+        # Diagnostics say that nobody watches the output any more.
+        self.assertTrue(until(lambda: any("the master has not answered" in status.message
+                                          for array in said for status in array.status)))
+        type(self).master = start_master()
+        # The corrector tells the new master of itself, so that others find its topics and services.
+        # All that a corrector which is started at a new master tells it.
+        self.assertTrue(until(lambda: known() == before), (known(), before))
         answer = subprocess.run(["rosservice", "call", "/arm/corrector/enable", "data: true"],
                                 capture_output=True, text=True, check=False, timeout=60)
         self.assertIn("success: True", answer.stdout, answer.stderr)

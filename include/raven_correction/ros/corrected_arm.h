@@ -23,7 +23,6 @@
 #include "raven_correction/correction/corrector.h"
 #include "raven_correction/ros/corrector_params.h"
 #include "raven_correction/ros/latency_histogram.h"
-#include "raven_correction/ros/master_watch.h"
 #include "raven_correction/ros/message_pool.h"
 #include "raven_correction/ros/pose_command.h"
 
@@ -66,7 +65,8 @@ class CorrectedArm {
   bool hasModel();
   /// The robot was homed: a model from before may be off.
   void noteHoming(double now);
-  void addTo(Registrations& registrations) const;
+  /// The master has answered.
+  void noteMaster() noexcept { master_heard_at_.store(ros::SteadyTime::now().toSec()); }
 
  private:
   static constexpr std::size_t kCodes = 32;
@@ -104,6 +104,8 @@ class CorrectedArm {
   std::atomic<double> distance_{0.0};
   std::atomic<std::uint64_t> beyond_{0};
   std::atomic<ToolKnownBy> tool_known_by_{ToolKnownBy::kNotAsked};
+
+  std::atomic<double> master_heard_at_;  // [s] of the steady clock
 
   // Guarded by mutex_.
   std::mutex mutex_;

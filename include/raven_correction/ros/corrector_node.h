@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "raven_correction/ros/corrected_arm.h"
+#include "raven_correction/ros/master_watch.h"
 #include "raven_correction/ros/robot_state.h"
 
 namespace raven_correction {
@@ -41,7 +42,8 @@ class CorrectorNode {
   void watchRobotState(const ros::SteadyTime& now);
   void onRobotState(const ros::MessageEvent<AnyMessage const>& event);
   void onTuning(const CorrectorConfig& config);
-  void watchMaster();
+  void noteMaster(const MasterView& view);
+  void watchOutput();
   void updateHold();
   void offerServices(const std::string& ns, const std::vector<CorrectedArm*>& arms);
 
@@ -69,7 +71,9 @@ class CorrectorNode {
 
   // Of the thread that asks the master.
   Registrations registrations_;
+  bool forgotten_ = false;  // by the master, which has not been told of everything yet
   bool master_lost_ = false;
+  std::string other_publisher_;  // a node that the master knows; empty: none
 
   ros::Publisher command_publisher_;
   std::vector<ros::ServiceServer> services_;
