@@ -91,14 +91,6 @@ void CorrectorNode::subscribeDesired() {
 
 // --- live ----------------------------------------------------------------------------------------
 
-/// The first message of a latched publisher may be from yesterday.
-bool CorrectorNode::isStaleLatched(const ros::M_string& header) {
-  const auto latching = header.find("latching");
-  if (latching == header.end() || latching->second != "1") return false;
-  const auto caller = header.find("callerid");
-  return latched_publishers_.insert(caller == header.end() ? "" : caller->second).second;
-}
-
 /// A bag that loops, a simulation that starts again.
 void CorrectorNode::watchClock(const ros::Time& now) {
   if (now + ros::Duration(kClockTolerance) < last_now_) {
@@ -171,7 +163,7 @@ void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
   CommandRequest request;
   Outputs outputs;
   const bool readable = readCommand(*message, arm_names_, request);
-  const bool latched = isStaleLatched(event.getConnectionHeader());
+  const bool latched = replays_.isReplay(event.getConnectionHeaderPtr());
   if (decide(readable, latched, now.toSec(), request, outputs)) {
     // Header and all else stay as the planner sent them; an unchanged command is the same message.
     boost::shared_ptr<Message> changed;

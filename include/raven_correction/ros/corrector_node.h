@@ -10,12 +10,12 @@
 #include <ros/ros.h>
 
 #include <memory>
-#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "raven_correction/ros/corrected_arm.h"
+#include "raven_correction/ros/latched_replay.h"
 #include "raven_correction/ros/master_watch.h"
 #include "raven_correction/ros/robot_state.h"
 
@@ -37,7 +37,6 @@ class CorrectorNode {
   template <typename Message>
   void onDesired(const ros::MessageEvent<Message const>& event);
   bool decide(bool readable, bool latched, double now, CommandRequest& request, Outputs& outputs);
-  bool isStaleLatched(const ros::M_string& header);
   void watchClock(const ros::Time& now);
   void watchRobotState(const ros::SteadyTime& now);
   void onRobotState(const ros::MessageEvent<AnyMessage const>& event);
@@ -56,7 +55,7 @@ class CorrectorNode {
   std::vector<std::unique_ptr<CorrectedArm>> arms_;
 
   // Of the live thread alone.
-  std::set<std::string> latched_publishers_;
+  LatchedReplay replays_;
   ros::Time last_now_;
   std::tuple<MessagePool<geometry_msgs::PoseStamped>, MessagePool<geometry_msgs::TransformStamped>,
              MessagePool<RavenCommand>>
