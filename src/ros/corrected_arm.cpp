@@ -57,7 +57,7 @@ CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& pri
         [this](const geometry_msgs::PoseStampedConstPtr& measured) { onMeasured(measured); });
   model_subscriber_ = nh_.subscribe(topics::kModel, 1, &CorrectedArm::onModel, this);
   diagnostics_timer_ = nh_.createWallTimer(
-      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_.update(); });
+      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
   ROS_INFO("corrector: model from %s, status on %s", model_subscriber_.getTopic().c_str(),
            status_publisher_.getTopic().c_str());
 }

@@ -54,6 +54,8 @@ TEST_F(CorrectorClock, ClockThatJumpsBackStartsTheStreamAnew) {
   EXPECT_EQ(status.code, CorrectionStatus::CORRECTED);
   EXPECT_LT((poseFromMsg(status.command).p - before.p).norm(), 1e-3);
   EXPECT_EQ(sendAt(500.05).code, CorrectionStatus::CORRECTED);
+  // Diagnostics go on, too, although their next time was that of the clock before.
+  EXPECT_TRUE(probe_.diagnosed([](const auto&) { return true; }));
 }
 
 TEST_F(CorrectorClock, ClockThatJumpsAheadAllowsNoLargerStep) {
