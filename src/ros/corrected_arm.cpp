@@ -31,7 +31,8 @@ CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams
 
 CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                            const CorrectorParams& params, const CorrectedArmParams& arm,
-                           ros::CallbackQueueInterface& live_queue)
+                           ros::CallbackQueueInterface& live_queue,
+                           ros::CallbackQueueInterface& model_queue)
     : nh_(nh, arm.ns),
       params_(params),
       arm_(arm),
@@ -55,7 +56,9 @@ CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& pri
         live, topics::kEncoder,
         params.pose_type == "TransformStamped" ? "TransformStamped" : "PoseStamped", 1,
         [this](const geometry_msgs::PoseStampedConstPtr& measured) { onMeasured(measured); });
-  model_subscriber_ = nh_.subscribe(topics::kModel, 1, &CorrectedArm::onModel, this);
+  ros::NodeHandle slow(nh_);
+  slow.setCallbackQueue(&model_queue);
+  model_subscriber_ = slow.subscribe(topics::kModel, 1, &CorrectedArm::onModel, this);
   diagnostics_timer_ = nh_.createWallTimer(
       ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
   ROS_INFO("corrector: model from %s, status on %s", model_subscriber_.getTopic().c_str(),

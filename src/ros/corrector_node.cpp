@@ -28,7 +28,8 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   std::vector<CorrectedArm*> all;
   for (const CorrectedArmParams& arm : params_.arms) {
     arm_names_.push_back(arm.name);
-    arms_.push_back(std::make_unique<CorrectedArm>(nh_, private_nh_, params_, arm, live_queue_));
+    arms_.push_back(
+        std::make_unique<CorrectedArm>(nh_, private_nh_, params_, arm, live_queue_, model_queue_));
     all.push_back(arms_.back().get());
   }
   robot_ready_ = params_.robot_state_topic.empty();
@@ -66,6 +67,8 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   }
   live_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &live_queue_);
   live_spinner_->start();
+  model_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &model_queue_);
+  model_spinner_->start();
   master_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &master_queue_);
   master_spinner_->start();
   ROS_INFO("corrector: %s -> %s (%s)", desired_subscriber_.getTopic().c_str(),
@@ -74,6 +77,7 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
 
 CorrectorNode::~CorrectorNode() {
   live_spinner_->stop();
+  model_spinner_->stop();
   master_spinner_->stop();
 }
 

@@ -32,11 +32,12 @@ class CorrectedArm {
  public:
   /// @param nh          the namespace of the node; topics are below it in that of the arm
   /// @param private_nh  of the node
-  /// @param live_queue  of the thread that handles poses
+  /// @param live_queue   of the thread that handles poses
+  /// @param model_queue  of the thread that takes models in, which may need seconds
   /// @throws InvalidInput  a file of the arm cannot be used
   CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                const CorrectorParams& params, const CorrectedArmParams& arm,
-               ros::CallbackQueueInterface& live_queue);
+               ros::CallbackQueueInterface& live_queue, ros::CallbackQueueInterface& model_queue);
 
   // --- of the live thread
   /// Why the request is refused, before anything is done about it.

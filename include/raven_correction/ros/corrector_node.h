@@ -23,8 +23,9 @@ namespace raven_correction {
 
 class CorrectorNode {
  public:
-  /// Poses are handled by one thread of their own, questions to the master by another, everything
-  /// else by whoever spins the queue of the node handles.
+  /// Poses are handled by one thread of their own, models and questions to the master by one each,
+  /// everything else, above all what switches the correction off, by whoever spins the queue of the
+  /// node handles.
   /// @throws InvalidInput  see loadCorrectorParams() and CorrectedArm
   CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~CorrectorNode();
@@ -51,7 +52,7 @@ class CorrectorNode {
   std::vector<std::string> arm_names_;
 
   // Declared before what is in it.
-  ros::CallbackQueue live_queue_, master_queue_;
+  ros::CallbackQueue live_queue_, model_queue_, master_queue_;
   std::vector<std::unique_ptr<CorrectedArm>> arms_;
 
   // Of the live thread alone.
@@ -80,7 +81,7 @@ class CorrectorNode {
   // Declared last: their callbacks use everything above.
   ros::Subscriber desired_subscriber_, robot_state_subscriber_;
   ros::WallTimer master_timer_;
-  std::unique_ptr<ros::AsyncSpinner> live_spinner_, master_spinner_;
+  std::unique_ptr<ros::AsyncSpinner> live_spinner_, model_spinner_, master_spinner_;
 };
 
 }  // namespace raven_correction
