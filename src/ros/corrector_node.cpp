@@ -215,12 +215,19 @@ void CorrectorNode::onRobotState(const ros::MessageEvent<AnyMessage const>& even
 
 // --- others --------------------------------------------------------------------------------------
 
-void CorrectorNode::updateHold() {
-  const std::lock_guard<std::mutex> lock(hold_mutex_);
-  const CorrectionHold hold = !alone_         ? CorrectionHold::kOtherPublisher
-                              : !robot_ready_ ? CorrectionHold::kRobotNotReady
-                                              : CorrectionHold::kNone;
-  for (const auto& arm : arms_) arm->setHold(hold);
+CorrectionHold CorrectorNode::holdNow() const noexcept {
+  if (!alone_) return CorrectionHold::kOtherPublisher;
+  return robot_ready_ ? CorrectionHold::kNone : CorrectionHold::kRobotNotReady;
+}
+
+/// Of the live thread and of the one that asks the master, without a lock: whoever writes last has
+/// seen what both of them know.
+void CorrectorNode::updateHold() noexcept {
+  CorrectionHold hold;
+  do {
+    hold = holdNow();
+    for (const auto& arm : arms_) arm->setHold(hold);
+  } while (hold != holdNow());
 }
 
 void CorrectorNode::noteMaster(const MasterView& view) {

@@ -44,7 +44,8 @@ class CorrectorNode {
   void onTuning(const CorrectorConfig& config);
   void noteMaster(const MasterView& view);
   void watchOutput();
-  void updateHold();
+  CorrectionHold holdNow() const noexcept;
+  void updateHold() noexcept;
   void offerServices(const std::string& ns, const std::vector<CorrectedArm*>& arms);
 
   ros::NodeHandle nh_, private_nh_;
@@ -65,9 +66,8 @@ class CorrectorNode {
   ros::SteadyTime robot_state_at_;
   bool robot_state_warned_ = false;
 
-  // Set by one thread each, read by updateHold().
+  // Set by one thread each, read by holdNow().
   std::atomic<bool> robot_ready_{true}, alone_{true};
-  std::mutex hold_mutex_;
 
   // Of the thread that asks the master.
   Registrations registrations_;
