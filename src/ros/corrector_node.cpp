@@ -55,9 +55,12 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   for (const ros::ServiceServer& service : services_)
     registrations_.addService(service.getService());
   registrations_.addService(private_nh_.resolveName("set_parameters"));  // of dynamic_reconfigure
+  tuning_in_force_.gain = params_.gain;
+  tuning_in_force_.max_translation = params_.limits.max_translation;
+  tuning_in_force_.max_rotation = params_.limits.max_rotation;
   tuning_ = std::make_unique<dynamic_reconfigure::Server<CorrectorConfig>>(private_nh_);
   tuning_->setCallback(
-      [this](const CorrectorConfig& config, std::uint32_t /*level*/) { onTuning(config); });
+      [this](CorrectorConfig& config, std::uint32_t /*level*/) { onTuning(config); });
   if (params_.watch_output) {
     watchOutput();  // before the first pose
     ros::NodeHandle slow(nh_);
@@ -262,14 +265,18 @@ void CorrectorNode::watchOutput() {
               here ? "somebody in this process" : other_publisher_.c_str(), topic.c_str());
 }
 
-void CorrectorNode::onTuning(const CorrectorConfig& config) {
+/// What cannot be taken is answered with what is in force: the server would keep it, and refuse
+/// every later change with it.
+void CorrectorNode::onTuning(CorrectorConfig& config) {
   try {
     for (const auto& arm : arms_)
       arm->setTuning(config.gain, config.max_translation, config.max_rotation);
     ROS_INFO("corrector: gain %g, at most %g m and %g rad", config.gain, config.max_translation,
              config.max_rotation);
+    tuning_in_force_ = config;
   } catch (const InvalidInput& error) {
     ROS_ERROR("%s; nothing was changed", error.what());
+    config = tuning_in_force_;
   }
 }
 

@@ -311,6 +311,19 @@ TEST_F(CorrectorFaults, GainAndLimitsChangeLiveWithinTheStepLimit) {
   EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
     return status.code == CorrectionStatus::CORRECTED;
   }));
+  // What is no number changes nothing, and does not stay: the next change is taken.
+  for (const char* const name : {"gain", "max_translation", "max_rotation"}) {
+    set(name, std::nan(""));
+    EXPECT_EQ(probe_.send(kInside).code, CorrectionStatus::CORRECTED);
+    EXPECT_EQ(probe_.statuses.back().gain, 1.0);
+    set("gain", 0.5);
+    EXPECT_TRUE(probe_.sendUntil(
+        kInside, [](const CorrectionStatus& status) { return status.gain == 0.5; }));
+    set("gain", 1.0);
+    EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+      return status.code == CorrectionStatus::CORRECTED && status.gain == 1.0;
+    }));
+  }
   expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
 }
 

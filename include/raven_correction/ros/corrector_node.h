@@ -41,7 +41,7 @@ class CorrectorNode {
   void watchClock(const ros::Time& now);
   void watchRobotState(const ros::SteadyTime& now);
   void onRobotState(const ros::MessageEvent<AnyMessage const>& event);
-  void onTuning(const CorrectorConfig& config);
+  void onTuning(CorrectorConfig& config);
   void noteMaster(const MasterView& view);
   void watchOutput();
   CorrectionHold holdNow() const noexcept;
@@ -77,6 +77,7 @@ class CorrectorNode {
 
   ros::Publisher command_publisher_;
   std::vector<ros::ServiceServer> services_;
+  CorrectorConfig tuning_in_force_;
   std::unique_ptr<dynamic_reconfigure::Server<CorrectorConfig>> tuning_;
   // Declared last: their callbacks use everything above.
   ros::Subscriber desired_subscriber_, robot_state_subscriber_;
