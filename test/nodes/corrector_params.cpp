@@ -57,6 +57,19 @@ TEST_F(CorrectorParamsTest, TheShippedFileHoldsTheDefaults) {
   EXPECT_EQ(shipped.arms[0].ns, "");
 }
 
+// What the controllers do: doc/faults.md, and the sources that the files name.
+TEST_F(CorrectorParamsTest, TheFilesForRobotsHoldTheirLimits) {
+  const CorrectorLimits crtk = loadCorrectorParams(ros::NodeHandle("/crtk")).limits;
+  EXPECT_EQ(crtk.robot.max_step, 0.015);
+  EXPECT_EQ(crtk.robot.max_turn, 0.5);
+  EXPECT_EQ(crtk.box_min, Eigen::Vector3d(-0.03, -0.10, -0.20));
+  EXPECT_EQ(crtk.box_max, Eigen::Vector3d(0.13, 0.15, -0.015));
+  const CorrectorLimits berkeley = loadCorrectorParams(ros::NodeHandle("/berkeley")).limits;
+  EXPECT_GT(berkeley.robot.max_step, 0.0);
+  EXPECT_GT(berkeley.robot.max_turn, 0.0);
+  EXPECT_GT(berkeley.max_measured_age, 2.0 * 0.1) << "two poses at 10 Hz";
+}
+
 TEST_F(CorrectorParamsTest, OneArmHasTheParametersOfTheNode) {
   nh_.setParam("arm", "raven2_left");
   nh_.setParam("tool", "grasper_8mm");

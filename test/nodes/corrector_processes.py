@@ -71,12 +71,13 @@ def kill(process, how=signal.SIGKILL):
     process.wait(LIMIT)
 
 
-def rigid_model():
+def rigid_model(shift=0.01):
+    """Moves every pose along x. @param shift [m]"""
     model = CorrectionModel()
     model.header.frame_id = "0_link"
     model.format = CorrectionModel.FORMAT
     model.id, model.units = "rigid", "m rad"
-    model.rigid.position.x, model.rigid.orientation.w = 0.01, 1.0
+    model.rigid.position.x, model.rigid.orientation.w = shift, 1.0
     model.mean_orientation.w = 1.0
     model.velocity, model.velocity_window, model.max_gap = "none", 0.1, 0.15
     for corner, value in ((model.workspace_min, -1.0), (model.workspace_max, 1.0)):
@@ -165,7 +166,7 @@ class CorrectorProcesses(unittest.TestCase):
         return planner
 
     def test_restart_in_the_middle_of_a_motion(self):
-        model = str(write_model("restart.bag", rigid_model()))
+        model = str(write_model("restart.bag", rigid_model(0.05)))
         corrector = self.start("corrector", enabled=True, model=model)
         planner = self.planner()
         self.assertTrue(planner.corrects())
@@ -178,7 +179,11 @@ class CorrectorProcesses(unittest.TestCase):
         self.assertTrue(until(lambda: len(planner.commands) > commands + 20))
         stamps = [command.header.stamp for command in planner.commands[commands:]]
         self.assertEqual(stamps, sorted(set(stamps)))
-        # After a restart the correction comes in anew, at its limited rate.
+        # Across the restart the command steps by no more than the correction that is not known any more,
+        # and the correction comes in anew at its limited rate.
+        x = [command.pose.position.x for command in planner.commands]
+        self.assertAlmostEqual(x[commands - 1], 0.05, delta=1e-9)
+        self.assertLessEqual(abs(x[commands] - x[commands - 1]), 0.05 + 1e-9)
         after = [command.pose.position.x for command in planner.commands[commands:]]
         self.assertLessEqual(max(abs(b - a) for a, b in zip(after, after[1:])), 0.15 * 0.1 + 1e-9)
         # Without ~enabled a corrector that is started anew passes poses through.
