@@ -2,6 +2,7 @@
 // Every fault of doc/faults.md that comes through a topic or a service, injected there. Those of
 // clocks are corrector_clock.cpp, those of processes corrector_processes.py.
 #include <dynamic_reconfigure/Reconfigure.h>
+#include <geometry_msgs/PoseArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
@@ -270,6 +271,69 @@ TEST_F(CorrectorFaults, ExpiredModelIsRefused) {
   expectModelRefused(bad, "expired");
 }
 
+TEST_F(CorrectorFaults, ModelThatExpiresInUseGoesOnAndIsReported) {
+  Correction mortal = model();
+  mortal.id = "mortal";
+  mortal.expires_at = ros::WallTime::now().toSec() + 2.0;
+  probe_.publishModel(mortal);
+  EXPECT_TRUE(probe_.sendUntil(
+      kInside, [](const CorrectionStatus& status) { return status.model == "mortal"; }));
+  EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+    return status.level == diagnostic_msgs::DiagnosticStatus::WARN &&
+           status.message.find("the model has expired") != std::string::npos;
+  }));
+  EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED && status.model == "mortal";
+  }));
+}
+
+TEST_F(CorrectorFaults, ModelThatAnswersWithNoNumberIsPassedAndReported) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.id = "overflowing";
+  for (double& weight : bad.groups[0].alpha) weight = 1e308;  // finite, but no sum of them
+  probe_.statuses.clear();
+  probe_.publishModel(bad);
+  EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::PASSED_MODEL_FAULT && status.command == status.desired;
+  }));
+  probe_.diagnostics.clear();
+  EXPECT_TRUE(probe_.until([&] {
+    probe_.send(kInside);
+    for (const auto& said : probe_.diagnostics)
+      if (said.level == diagnostic_msgs::DiagnosticStatus::ERROR &&
+          said.message.find("not finite") != std::string::npos)
+        return true;
+    return false;
+  }));
+  expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
+}
+
+TEST_F(CorrectorFaults, EndpointModeCorrectsTheEndsOfThePathAlone) {
+  const Pose first = along(0.1), between = along(0.4), last = along(0.7);
+  ros::Publisher path = probe_.nh.advertise<geometry_msgs::PoseArray>("desired/path", 1);
+  ASSERT_TRUE(probe_.until([&] { return path.getNumSubscribers() == 1; }));
+  geometry_msgs::PoseArray poses;
+  poses.header.frame_id = "0_link";
+  for (const Pose& pose : {first, between, last}) poses.poses.push_back(poseToMsg(pose));
+  probe_.setMode("endpoint");
+  const auto isPassed = [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::PASSED_BETWEEN_ENDPOINTS &&
+           status.command == status.desired;
+  };
+  const auto isCorrected = [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED && status.mode == "endpoint";
+  };
+  EXPECT_TRUE(probe_.sendUntil(first, isPassed)) << "there is no path yet";
+  path.publish(poses);
+  EXPECT_TRUE(probe_.sendUntil(first, isCorrected));
+  EXPECT_TRUE(probe_.sendUntil(between, isPassed));
+  EXPECT_TRUE(probe_.sendUntil(last, isCorrected));
+  // In a frame that is not known, a path is none.
+  poses.header.frame_id = "elsewhere";
+  path.publish(poses);
+  EXPECT_TRUE(probe_.sendUntil(last, isPassed));
+}
+
 TEST_F(CorrectorFaults, WrongModeIsRefused) {
   SetMode call;
   call.request.mode = "sideways";
@@ -434,6 +498,11 @@ TEST_F(CrtkCorrectorFaults, NothingIsCorrectedUnlessTheRobotIsEnabledAndHomed) {
   EXPECT_TRUE(sendUntil(kInBox, "ENABLED", false, kAtCommand, passed));
   EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
     return status.message.find("not enabled and homed") != std::string::npos;
+  }));
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
+  // It was homed: a model from before may be off.
+  EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+    return status.message.find("homed after the model was trained") != std::string::npos;
   }));
   EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
   // A robot that says nothing any more is not known to be ready.

@@ -97,7 +97,7 @@ class Planner:
     """Streams a pose at 100 Hz from a thread and keeps what comes back."""
 
     def __init__(self):
-        self.statuses, self.commands = [], []
+        self.sent, self.statuses, self.commands = [], [], []
         self.publisher = rospy.Publisher("/arm/desired/servo_cp", PoseStamped, queue_size=10)
         self.subscribers = [
             rospy.Subscriber("/arm/correction/status", CorrectionStatus, self.statuses.append),
@@ -114,6 +114,7 @@ class Planner:
             message.header.stamp = rospy.Time.now()
             message.pose.position.y += 1e-5
             self.publisher.publish(message)
+            self.sent.append(message.header.stamp)
             time.sleep(0.01)
 
     def stop(self):
@@ -128,6 +129,13 @@ class Planner:
         before = len(self.statuses)
         return until(lambda: any(status.code == CorrectionStatus.RIGID_ONLY
                                  for status in self.statuses[before:]))
+
+    def answered(self, first):
+        """Every pose that was sent after the one of status `first` has a command and a status by now."""
+        begin = self.statuses[first].header.stamp
+        sent = [stamp for stamp in list(self.sent) if stamp > begin]
+        return until(lambda: all(set(sent) <= {message.header.stamp for message in list(messages)}
+                                 for messages in (self.statuses, self.commands)))
 
     def largest_step(self):
         """Of successive commands along the axis that the model corrects [m]."""
@@ -204,6 +212,7 @@ class CorrectorProcesses(unittest.TestCase):
         kill(trainer)
         self.assertTrue(until(lambda: len(planner.statuses) > first + 300))
         # Every pose goes on being corrected by the same model.
+        self.assertTrue(planner.answered(first))
         self.assertEqual({(status.code, status.model) for status in planner.statuses[first:]},
                          {(CorrectionStatus.RIGID_ONLY, "rigid")})
         # A trainer that comes back is heard.
@@ -244,6 +253,7 @@ class CorrectorProcesses(unittest.TestCase):
                                 capture_output=True, text=True, check=False, timeout=60)
         self.assertIn("success: True", answer.stdout, answer.stderr)
         self.assertEqual({status.code for status in planner.statuses[first:]}, {CorrectionStatus.RIGID_ONLY})
+        self.assertTrue(planner.answered(first))
         self.assertLess(planner.largest_step(), 0.015 + 1e-9)
         self.assertIsNone(corrector.poll())
 

@@ -14,6 +14,7 @@ import genpy.dynamic
 import rosbag
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Pose
 
 from raven_correction.msg import CorrectionModel, CorrectionStatus, RecorderStatus
@@ -404,7 +405,14 @@ class RavenCommandTest(unittest.TestCase):
         self.expect_only(message, sent, got, [("R", "position"), ("R", "orientation")])
 
     def test_model_of_the_other_arm_is_refused(self):
+        said = []
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, said.append)
+        self.addCleanup(diagnostics.unregister)
         self.models["L"].publish(rigid_model("R"))
+        # It has arrived when diagnostics say that it was refused.
+        self.assertTrue(self.wait(lambda: any(
+            status.name.endswith("correction left") and "a model was refused" in status.message
+            for array in said for status in array.status)))
         for _ in range(20):
             self.exchange(command(self.arms()))
             self.assertEqual(self.statuses["L"][-1].model, "rigid_L")
