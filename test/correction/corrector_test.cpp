@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <limits>
 #include <thread>
 
 #include "raven_correction/error.h"
+#include "robot/robots.h"
 #include "support/allocation_guard.h"
 #include "support/random_poses.h"
 #include "support/simple_model.h"
@@ -560,26 +562,115 @@ TEST_F(CorrectorTest, AMeasuredPoseCountsForAsLongAsItsStampIsNearTheClock) {
   EXPECT_EQ(send(corrector, 16).tool_known_by, ToolKnownBy::kLastCommand);
 }
 
-TEST_F(CorrectorTest, TheLivePathDoesNotAllocate) {
-  Corrector corrector(looseLimits());
-  corrector.setModel(model_);
-  corrector.setMode(CorrectorMode::kFull);
-  send(corrector, 0);
-  Pose bad = inside(0);
-  bad.p.x() = std::nan("");
+// Every answer of a corrector with all its limits, a chain and a measured tool; only what the node
+// itself answers (frames, latched publishers, other arms) is not among them.
+TEST_F(CorrectorTest, NoAnswerAllocates) {
+  const auto chain = std::make_shared<KinematicChain>(shippedRobot("raven2_left"));
+  JointVector q = chain->home();
+  const int insertion = chain->indexOf("insertion");
+  q(insertion) = chain->lower()(insertion) + 0.03;
+  const Pose home = chain->forward(q);
+  q(insertion) -= 0.029;
+  const Pose border = chain->forward(q);  // the correction leads out of reach from here
+  q(insertion) -= 0.05;
+  const Pose beyond = chain->forward(q);  // and here the planner is out of reach itself
+
+  const Correction model =
+      simpleModel(VelocityKind::kCausal, home,
+                  {0.02 * (border.p - home.p).normalized(), Eigen::Quaterniond::Identity()});
+  Correction overflowing = model, faded = model, rigid = model;
+  overflowing.id = "overflowing";
+  overflowing.process.groups[0].weights.setConstant(1e308);
+  faded.id = "faded";
+  faded.trust.fade_start = 1e-6;
+  faded.trust.fade_end = 1e-5;
+  rigid.id = "rigid";
+  rigid.process = {};
+
+  CorrectorLimits limits;
+  limits.robot.chain = chain;
+  limits.robot.max_step = 0.05;
+  limits.robot.max_turn = 1.0;
+  limits.box_min.setConstant(-0.5);
+  limits.box_max.setConstant(0.5);
+  Corrector corrector(limits);
+  std::array<bool, 32> seen{};
   int allocations = 0;
+  double stamp = 100.0;
+  // @param at  stamp relative to the clock [s]
+  const auto answer = [&](const Pose& desired, double at = 0.0, bool endpoint = false) {
+    const AllocationGuard guard;
+    stamp += 0.05;
+    corrector.setMeasured(stamp, stamp, home);
+    const CorrectorOutput output = corrector.correct(stamp + at, stamp, desired, endpoint);
+    seen[static_cast<std::size_t>(output.code)] = true;
+    allocations += guard.count();
+  };
+  const auto answers = [&](const Pose& desired) {
+    for (int i = 0; i < 40; ++i) answer(desired);
+  };
+  answer(home);  // off
+  corrector.setMode(CorrectorMode::kFull);
+  answer(home);  // no model
+  for (const Correction* const next : {&overflowing, &faded, &rigid, &model}) {
+    corrector.setModel(*next);
+    answers(home);
+    corrector.setMode(CorrectorMode::kOff);
+    answers(home);
+    corrector.setMode(CorrectorMode::kFull);
+    answers(home);
+  }
+  answer(border);  // unreachable at first, then limited
+  answers(border);
+  answers(beyond);
+  answers({home.p + Eigen::Vector3d(0.3, 0.0, 0.0), home.q});  // outside
+  answers({home.p + Eigen::Vector3d(0.12, 0.0, 0.0), home.q});
+  for (const CorrectionHold hold :
+       {CorrectionHold::kRobotNotReady, CorrectionHold::kOtherPublisher, CorrectionHold::kNone}) {
+    corrector.setHold(hold);
+    answers(home);
+  }
+  corrector.setMode(CorrectorMode::kEndpoint);
+  answers(home);
+  answer(home, 0.0, true);
+  Pose bad = home;
+  bad.p.x() = std::nan("");
+  answer(bad);
+  bad = home;
+  bad.q.coeffs() *= 1.1;
+  answer(bad);
+  answer(home, -stamp - 0.05);  // zero
+  answer(home, -1.0);
+  answer(home, 1.0);
+  answer(home, 0.4);
+  answer(home);  // before the one before
+  stamp += 1.0;
+  for (int i = 0; i < 40; ++i, stamp += 0.05) {
+    const AllocationGuard guard;
+    const CorrectorOutput output =
+        corrector.prepareParts(stamp, stamp, home, i % 2 == 0, i % 3 == 0);
+    corrector.commit();
+    seen[static_cast<std::size_t>(output.code)] = true;
+    corrector.prepare(stamp + 0.01, stamp, home, false);  // and forgotten
+    allocations += guard.count();
+  }
   {
     const AllocationGuard guard;
-    for (int i = 1; i < 300; ++i) send(corrector, i);
-    corrector.correct(1.0, 1.0, bad, false);
-    corrector.correct(1.0, 1.0, inside(0), true);
-    corrector.setMode(CorrectorMode::kRigid);
-    send(corrector, 300);
-    corrector.setMode(CorrectorMode::kOff);
-    send(corrector, 301);
-    allocations = guard.count();
+    corrector.restart();
+    allocations += guard.count();
   }
   EXPECT_EQ(allocations, 0);
+  for (const CorrectorCode code :
+       {CorrectorCode::kCorrected, CorrectorCode::kCorrectedFaded, CorrectorCode::kCorrectedLimited,
+        CorrectorCode::kRigidOnly, CorrectorCode::kPassedOff, CorrectorCode::kPassedNoModel,
+        CorrectorCode::kPassedOutside, CorrectorCode::kPassedModelFault,
+        CorrectorCode::kPassedBetweenEndpoints, CorrectorCode::kPassedNotAbsolute,
+        CorrectorCode::kPassedRobotNotReady, CorrectorCode::kPassedOtherPublisher,
+        CorrectorCode::kRefusedNotFinite, CorrectorCode::kRefusedNotUnit,
+        CorrectorCode::kRefusedZeroStamp, CorrectorCode::kRefusedStale,
+        CorrectorCode::kRefusedFuture, CorrectorCode::kRefusedTimeBackwards,
+        CorrectorCode::kRefusedUnreachable})
+    EXPECT_TRUE(seen[static_cast<std::size_t>(code)]) << correctorCodeName(code);
 }
 
 TEST_F(CorrectorTest, NorDoesItWithPhysicsAsTheMean) {
