@@ -180,15 +180,14 @@ void Corrector::aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted
     output.code = CorrectorCode::kPassedNoModel;
     return;
   }
-  const TrustRegion& trust = live->predictor.model().trust;
-  output.distance =
-      (desired.p - desired.p.cwiseMax(trust.workspace_min).cwiseMin(trust.workspace_max)).norm();
+  const Correction& model = live->predictor.model();
+  output.distance = distanceFromWorkspace(desired.p, model.trust);
   if (mode == CorrectorMode::kEndpoint && !endpoint) {
     output.code = CorrectorCode::kPassedBetweenEndpoints;
     return;
   }
   const Prediction prediction = live->predictor.predict(live->estimator.motion(), *live->workspace);
-  output.model = &live->predictor.model().id;
+  output.model = &model.id;
   output.sd_position = prediction.sd_position;
   output.sd_rotation = prediction.sd_rotation;
   output.h_share = prediction.h_share * prediction.g_share;
@@ -199,7 +198,6 @@ void Corrector::aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted
   }
   wanted = prediction.command;
   output.code = CorrectorCode::kCorrected;
-  const Correction& model = live->predictor.model();
   const bool rigid_only =
       mode == CorrectorMode::kRigid || (model.process.groups.empty() && model.physics.empty());
   if (rigid_only) {

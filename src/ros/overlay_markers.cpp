@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/overlay_markers.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "raven_correction/CorrectionStatus.h"
+#include "raven_correction/correction/corrector_code.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 
@@ -269,44 +271,9 @@ MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
 }
 
 std::string correctionCodeName(std::uint8_t code) {
-  switch (code) {
-    case CorrectionStatus::CORRECTED:
-      return "corrected";
-    case CorrectionStatus::CORRECTED_FADED:
-      return "corrected, faded";
-    case CorrectionStatus::CORRECTED_LIMITED:
-      return "corrected, limited";
-    case CorrectionStatus::RIGID_ONLY:
-      return "rigid only";
-    case CorrectionStatus::PASSED_OFF:
-      return "passed: off";
-    case CorrectionStatus::PASSED_NO_MODEL:
-      return "passed: no model";
-    case CorrectionStatus::PASSED_OUTSIDE:
-      return "passed: outside the workspace";
-    case CorrectionStatus::PASSED_MODEL_FAULT:
-      return "passed: model fault";
-    case CorrectionStatus::PASSED_BETWEEN_ENDPOINTS:
-      return "passed: between endpoints";
-    case CorrectionStatus::REFUSED_NOT_FINITE:
-      return "REFUSED: not finite";
-    case CorrectionStatus::REFUSED_NOT_UNIT:
-      return "REFUSED: quaternion not unit";
-    case CorrectionStatus::REFUSED_FRAME:
-      return "REFUSED: unknown frame";
-    case CorrectionStatus::REFUSED_ZERO_STAMP:
-      return "REFUSED: stamp zero";
-    case CorrectionStatus::REFUSED_STALE:
-      return "REFUSED: stale";
-    case CorrectionStatus::REFUSED_FUTURE:
-      return "REFUSED: from the future";
-    case CorrectionStatus::REFUSED_TIME_BACKWARDS:
-      return "REFUSED: time runs backwards";
-    case CorrectionStatus::REFUSED_LATCHED:
-      return "REFUSED: latched";
-    default:
-      return format("code %u", code);
-  }
+  std::string name = correctorCodeName(static_cast<CorrectorCode>(code));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
 }
 
 bool isCorrectedCode(std::uint8_t code) { return code <= CorrectionStatus::RIGID_ONLY; }

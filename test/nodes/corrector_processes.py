@@ -40,7 +40,8 @@ import rosunit  # noqa: E402 pylint: disable=wrong-import-position
 from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402 pylint: disable=wrong-import-position
 from geometry_msgs.msg import PoseStamped  # noqa: E402 pylint: disable=wrong-import-position
 
-from raven_correction.msg import CorrectionModel, CorrectionStatus  # noqa: E402 pylint: disable=wrong-import-position
+from raven_correction.msg import CorrectionStatus  # noqa: E402 pylint: disable=wrong-import-position
+from rigid_model import rigid_model  # noqa: E402 pylint: disable=wrong-import-position
 
 
 def until(condition, limit=LIMIT):
@@ -71,19 +72,9 @@ def kill(process, how=signal.SIGKILL):
     process.wait(LIMIT)
 
 
-def rigid_model(shift=0.01):
+def shift_model(shift=0.01, name="rigid"):
     """Moves every pose along x. @param shift [m]"""
-    model = CorrectionModel()
-    model.header.frame_id = "0_link"
-    model.format = CorrectionModel.FORMAT
-    model.id, model.units = "rigid", "m rad"
-    model.rigid.position.x, model.rigid.orientation.w = shift, 1.0
-    model.mean_orientation.w = 1.0
-    model.velocity, model.velocity_window, model.max_gap = "none", 0.1, 0.15
-    for corner, value in ((model.workspace_min, -1.0), (model.workspace_max, 1.0)):
-        corner.x = corner.y = corner.z = value
-    model.workspace_margin, model.fade_start, model.fade_end = 0.05, 0.8, 0.95
-    return model
+    return rigid_model(name, (shift, 0.0, 0.0))
 
 
 def write_model(name, model):
@@ -174,7 +165,7 @@ class CorrectorProcesses(unittest.TestCase):
         return planner
 
     def test_restart_in_the_middle_of_a_motion(self):
-        model = str(write_model("restart.bag", rigid_model(0.05)))
+        model = str(write_model("restart.bag", shift_model(0.05)))
         corrector = self.start("corrector", enabled=True, model=model)
         planner = self.planner()
         self.assertTrue(planner.corrects())
@@ -202,7 +193,7 @@ class CorrectorProcesses(unittest.TestCase):
                                           for status in planner.statuses[before:])))
 
     def test_trainer_killed(self):
-        model = str(write_model("trainer.bag", rigid_model()))
+        model = str(write_model("trainer.bag", shift_model()))
         trainer = self.start("trainer", model=model, data_directory=str(FOLDER),
                              model_directory=str(FOLDER))
         corrector = self.start("corrector", enabled=True)
@@ -216,8 +207,7 @@ class CorrectorProcesses(unittest.TestCase):
         self.assertEqual({(status.code, status.model) for status in planner.statuses[first:]},
                          {(CorrectionStatus.RIGID_ONLY, "rigid")})
         # A trainer that comes back is heard.
-        changed = rigid_model()
-        changed.id = "after"
+        changed = shift_model(name="after")
         self.start("trainer", model=str(write_model("after.bag", changed)), data_directory=str(FOLDER),
                    model_directory=str(FOLDER))
         self.assertTrue(until(lambda: planner.statuses[-1].model == "after"))
@@ -225,7 +215,7 @@ class CorrectorProcesses(unittest.TestCase):
 
     def test_master_restarted(self):
         corrector = self.start("corrector", enabled=True,
-                               model=str(write_model("master.bag", rigid_model())))
+                               model=str(write_model("master.bag", shift_model())))
         planner = self.planner()
         self.assertTrue(planner.corrects())
         proxy = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
@@ -268,7 +258,7 @@ class CorrectorProcesses(unittest.TestCase):
         self.expect_no_start(FOLDER / "nowhere.bag", "no such file")
 
     def test_truncated_model_file(self):
-        path = write_model("cut.bag", rigid_model())
+        path = write_model("cut.bag", shift_model())
         path.write_bytes(path.read_bytes()[:path.stat().st_size // 2])
         self.expect_no_start(path, "not a complete bag")
         path.write_bytes(b"")
@@ -277,7 +267,7 @@ class CorrectorProcesses(unittest.TestCase):
         self.expect_no_start(path, "not a complete bag")
 
     def test_model_file_of_another_version(self):
-        model = rigid_model()
+        model = shift_model()
         model.format += 1
         path = write_model("version.bag", model)
         corrector = self.start("corrector", model=str(path))

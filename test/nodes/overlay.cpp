@@ -92,7 +92,7 @@ TEST_F(OverlayNode, ShowsTheErrorInBaseAndForgetsItWhenTheTopicsFallSilent) {
     off.header.stamp.fromSec(now);
     status.publish(off);
     return shown("error") != nullptr && shown("workspace") != nullptr &&
-           says("status", "mode off: passed: off");
+           says("status", "mode off: passed off");
   };
   ASSERT_TRUE(until(publishAndSeeError));
   EXPECT_TRUE(says("error", "uncorrected error"));

@@ -104,13 +104,16 @@ TEST(OverlayMarkers, DeleteExactlyWhatTheyNoLongerShow) {
 }
 
 TEST(OverlayMarkers, NameEveryCode) {
-  for (int code = 0; code <= CorrectionStatus::REFUSED_LATCHED; ++code) {
-    if (code > CorrectionStatus::PASSED_BETWEEN_ENDPOINTS &&
+  std::set<std::string> names;
+  for (int code = 0; code <= CorrectionStatus::REFUSED_UNREACHABLE; ++code) {
+    if (code > CorrectionStatus::PASSED_OTHER_PUBLISHER &&
         code < CorrectionStatus::REFUSED_NOT_FINITE)
       continue;  // no code of ours
-    const auto byte = static_cast<std::uint8_t>(code);
-    EXPECT_EQ(correctionCodeName(byte).find("code "), std::string::npos) << code;
+    const std::string name = correctionCodeName(static_cast<std::uint8_t>(code));
+    EXPECT_NE(name, "unknown") << code;
+    EXPECT_TRUE(names.insert(name).second) << name;
   }
+  EXPECT_EQ(correctionCodeName(CorrectionStatus::PASSED_ROBOT_NOT_READY), "passed robot not ready");
   EXPECT_TRUE(isCorrectedCode(CorrectionStatus::RIGID_ONLY));
   EXPECT_FALSE(isCorrectedCode(CorrectionStatus::PASSED_OFF));
 }

@@ -29,6 +29,9 @@ struct TrustRegion {
   double fade_end = 0.95;
 };
 
+/// Of a position from the workspace box; 0 inside. [m]
+double distanceFromWorkspace(const Eigen::Vector3d& p, const TrustRegion& trust) noexcept;
+
 /// Conventions (design, section 5): a desired pose x = (p, R) goes to x_G = G x = (p_G, R_G); the
 /// process learns y = (dp, r) with command position p_G + dp (base frame) and orientation
 /// R_G exp(r) (frame of the tool after the rigid step). With physics, the command that the

@@ -43,7 +43,7 @@ struct OverlayView {
 visualization_msgs::MarkerArray makeOverlay(const OverlayView& view, const OverlayHistory& history,
                                             const OverlayStyle& style);
 
-/// "corrected", "faded", "limited", ...: code of CorrectionStatus in a word or two.
+/// "corrected", "passed no model", "refused stale", ...: code of CorrectionStatus in words.
 std::string correctionCodeName(std::uint8_t code);
 /// True for codes with which the command differs from the desired pose by the model's doing.
 bool isCorrectedCode(std::uint8_t code);
