@@ -87,6 +87,7 @@ class Corrector {
 
   /// The code with which correct() would refuse the pose for what it is, not counting
   /// kRefusedUnreachable; nothing if it would not. Changes no state.
+  /// @param stamp, now, desired  as for correct()
   std::optional<CorrectorCode> fault(double stamp, double now, const Pose& desired) const noexcept;
 
   /// No allocation, lock, log or throw. With T the correction as a motion of the tool (translation

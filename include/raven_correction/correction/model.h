@@ -78,15 +78,22 @@ struct Correction {
 std::size_t featureCount(const MotionOptions& options) noexcept;
 
 /// Writes featureCount() numbers. No allocation.
-/// @param motion  before G
+/// @param motion  before G, in base [m, rad, s]
+/// @param rigid   G
+/// @param mean_orientation  after G
+/// @param twists  of the motion that count
+/// @param features  x y z [m], rotation vector in the frame of the mean orientation [rad], then for
+///                  each twist v [m/s] and w [rad/s] in base
 void computeFeatures(const Motion& motion, const Pose& rigid,
                      const Eigen::Quaterniond& mean_orientation, std::size_t twists,
                      double* features) noexcept;
 
-/// y = (dp, r) that turns x_G (or what physics says) into the command.
+/// y = (dp, r) that turns x_G (or what physics says) into the command: x y z in base [m], rotation
+/// vector in the frame of the tool at x_G [rad].
 Eigen::Matrix<double, 6, 1> correctionBetween(const Pose& after_rigid,
                                               const Pose& command) noexcept;
-/// The command that y = (dp, r) makes of x_G (or of what physics says).
+/// The command that y = (dp, r), as from correctionBetween(), makes of x_G (or of what physics
+/// says), in base.
 Pose applyCorrection(const Pose& after_rigid, const Eigen::Matrix<double, 6, 1>& y) noexcept;
 
 }  // namespace raven_correction

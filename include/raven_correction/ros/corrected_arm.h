@@ -41,14 +41,20 @@ class CorrectedArm {
 
   // --- of the live thread
   /// Why the request is refused, before anything is done about it.
+  /// @param stamp  of the message [s]
+  /// @param now    the ROS clock [s]
   std::optional<CorrectorCode> fault(const ArmRequest& request, double stamp,
                                      double now) const noexcept;
-  /// What becomes of a request; nothing of it counts unless commit() follows.
+  /// What becomes of a request; nothing of it counts unless commit() follows. The command holds, of
+  /// a part that was not asked for, what the request holds.
   /// @param request  without fault
+  /// @param stamp, now  as for fault()
   CorrectorOutput prepare(const ArmRequest& request, double stamp, double now) noexcept;
   /// @param sent  the command of the last prepare() is sent; false: it is out of reach
   void commit(bool sent) noexcept;
   /// Publishes and counts what became of a request.
+  /// @param stamp  of the message
+  /// @param compute_time  from arrival to publication, by the steady clock [s]
   void report(const ros::Time& stamp, const ArmRequest& request, const CorrectorOutput& output,
               double compute_time);
   /// Forgets the stream.
@@ -65,6 +71,7 @@ class CorrectedArm {
   CorrectorMode mode() const noexcept { return corrector_.mode(); }
   bool hasModel();
   /// The robot was homed: a model from before may be off.
+  /// @param now  Unix time, as in models [s]
   void noteHoming(double now);
   /// The master has answered.
   void noteMaster() noexcept { master_heard_at_.store(ros::SteadyTime::now().toSec()); }
