@@ -45,8 +45,8 @@ class NodesTest : public ::testing::Test {
                                                   [this](const auto& msg) { model_id_ = msg->id; });
     progress_ = probe_.nh.subscribe<WorkProgress>(
         "trainer/progress", 100, [this](const auto& msg) { phases_.insert(msg->phase); });
-    report_ = probe_.nh.subscribe<TrainingReport>(
-        "trainer/report", 10, [this](const auto& msg) { last_report_ = *msg; });
+    report_ = probe_.nh.subscribe<TrainingReport>("trainer/report", 10,
+                                                  [this](const auto& msg) { last_report_ = *msg; });
     ASSERT_TRUE(ros::service::waitForService("arm/trainer/retrain", 30000));
   }
 
@@ -188,10 +188,12 @@ TEST_F(NodesTest, TheWholeJob) {
   EXPECT_FALSE(call("corrector/set_mode", mode).response.success);
   mode.request.mode = "rigid";
   EXPECT_EQ(call("corrector/set_mode", mode).response.previous, "full");
-  EXPECT_TRUE(probe_.until([&] { return probe_.send(desired()).code == CorrectionStatus::RIGID_ONLY; }));
+  EXPECT_TRUE(
+      probe_.until([&] { return probe_.send(desired()).code == CorrectionStatus::RIGID_ONLY; }));
   mode.request.mode = "off";
   call("corrector/set_mode", mode);
-  EXPECT_TRUE(probe_.until([&] { return probe_.send(desired()).code == CorrectionStatus::PASSED_OFF; }));
+  EXPECT_TRUE(
+      probe_.until([&] { return probe_.send(desired()).code == CorrectionStatus::PASSED_OFF; }));
 }
 
 TEST_F(NodesTest, TheFirstMessageOfALatchedPublisherIsNoCommand) {
