@@ -6,83 +6,6 @@
 #include "raven_correction/error.h"
 
 namespace raven_correction {
-
-const char* correctorCodeName(CorrectorCode code) noexcept {
-  switch (code) {
-    case CorrectorCode::kCorrected:
-      return "corrected";
-    case CorrectorCode::kCorrectedFaded:
-      return "corrected_faded";
-    case CorrectorCode::kCorrectedLimited:
-      return "corrected_limited";
-    case CorrectorCode::kRigidOnly:
-      return "rigid_only";
-    case CorrectorCode::kPassedOff:
-      return "passed_off";
-    case CorrectorCode::kPassedNoModel:
-      return "passed_no_model";
-    case CorrectorCode::kPassedOutside:
-      return "passed_outside";
-    case CorrectorCode::kPassedModelFault:
-      return "passed_model_fault";
-    case CorrectorCode::kPassedBetweenEndpoints:
-      return "passed_between_endpoints";
-    case CorrectorCode::kPassedNotAbsolute:
-      return "passed_not_absolute";
-    case CorrectorCode::kPassedInactive:
-      return "passed_inactive";
-    case CorrectorCode::kPassedRobotNotReady:
-      return "passed_robot_not_ready";
-    case CorrectorCode::kPassedOtherPublisher:
-      return "passed_other_publisher";
-    case CorrectorCode::kRefusedNotFinite:
-      return "refused_not_finite";
-    case CorrectorCode::kRefusedNotUnit:
-      return "refused_not_unit";
-    case CorrectorCode::kRefusedFrame:
-      return "refused_frame";
-    case CorrectorCode::kRefusedZeroStamp:
-      return "refused_zero_stamp";
-    case CorrectorCode::kRefusedStale:
-      return "refused_stale";
-    case CorrectorCode::kRefusedFuture:
-      return "refused_future";
-    case CorrectorCode::kRefusedTimeBackwards:
-      return "refused_time_backwards";
-    case CorrectorCode::kRefusedLatched:
-      return "refused_latched";
-    case CorrectorCode::kRefusedMalformed:
-      return "refused_malformed";
-    case CorrectorCode::kRefusedWithOtherArm:
-      return "refused_with_other_arm";
-    case CorrectorCode::kRefusedUnreachable:
-      return "refused_unreachable";
-  }
-  return "unknown";
-}
-
-const char* correctorModeName(CorrectorMode mode) noexcept {
-  switch (mode) {
-    case CorrectorMode::kOff:
-      return "off";
-    case CorrectorMode::kRigid:
-      return "rigid";
-    case CorrectorMode::kFull:
-      return "full";
-    case CorrectorMode::kEndpoint:
-      break;
-  }
-  return "endpoint";
-}
-
-CorrectorMode correctorModeFromName(const std::string& name) {
-  for (const CorrectorMode mode :
-       {CorrectorMode::kOff, CorrectorMode::kRigid, CorrectorMode::kFull, CorrectorMode::kEndpoint})
-    if (name == correctorModeName(mode)) return mode;
-  throw InvalidInput(
-      format("mode \"%s\" is not known; one of off, rigid, full, endpoint", name.c_str()));
-}
-
 namespace {
 
 void checkLimits(const CorrectorLimits& limits) {
@@ -111,6 +34,15 @@ void checkLimits(const CorrectorLimits& limits) {
                               limits.max_age, limits.max_ahead));
 }
 
+/// Remembers poses 2 ms apart for at least 2 s.
+MotionOptions untilThereIsAModel() {
+  MotionOptions options;
+  options.velocity = VelocityKind::kNone;
+  options.window = 1.0;
+  options.max_gap = 10.0;  // what a gap is, a model says
+  return options;
+}
+
 /// Shortens v to `longest`; says whether it had to.
 bool shorten(Eigen::Vector3d& v, double longest) noexcept {
   const double length = v.norm();
@@ -137,7 +69,8 @@ Corrector::Corrector(const CorrectorLimits& limits)
       has_box_(!limits.box_min.isZero(0.0) || !limits.box_max.isZero(0.0)),
       reach_(limits.robot),
       max_translation_(limits.max_translation),
-      max_rotation_(limits.max_rotation) {
+      max_rotation_(limits.max_rotation),
+      before_models_(untilThereIsAModel()) {
   checkLimits(limits);
 }
 
@@ -153,100 +86,120 @@ void Corrector::setTuning(double gain, double max_translation, double max_rotati
   max_rotation_.store(max_rotation, std::memory_order_relaxed);
 }
 
-void Corrector::setMeasured(double now, const Pose& measured) noexcept {
+void Corrector::setMeasured(double stamp, double now, const Pose& measured) noexcept {
   if (!isFinite(measured) || !hasUnitQuaternion(measured)) return;
+  if (!(stamp > 0.0) || !(stamp > measured_at_)) return;
+  if (!(stamp - now <= limits_.max_measured_age)) return;
   measured_ = measured;
-  measured_at_ = now;
-}
-
-void Corrector::skip(double stamp) noexcept {
-  started_ = true;
-  last_stamp_ = stamp;
+  measured_at_ = stamp;
 }
 
 void Corrector::setModel(const Correction& model) {
-  models_.push_back(std::make_unique<Live>(model));
+  auto live = std::make_unique<Live>(model);
+  if (!models_.empty() && models_.back()->predictor.model().id == model.id) return;
+  models_.push_back(std::move(live));
   live_.store(models_.back().get(), std::memory_order_release);
 }
 
 void Corrector::restart() noexcept {
-  started_ = false;
-  commanded_ = false;
+  discard();
+  stream_.started = false;
+  stream_.commanded = false;
   measured_at_ = -std::numeric_limits<double>::infinity();
-  if (Live* const live = live_.load(std::memory_order_acquire)) live->estimator.reset();
+  follower_->reset();
 }
 
-/// Shortens the correction, axis by axis, where it would leave the box, or leave it further than
-/// the desired pose does: continuous, and zero stays zero.
-bool Corrector::keepInBox(const Eigen::Vector3d& desired,
-                          Eigen::Vector3d& translation) const noexcept {
-  if (!has_box_) return false;
-  const Eigen::Vector3d low = limits_.box_min.cwiseMin(desired) - desired;
-  const Eigen::Vector3d high = limits_.box_max.cwiseMax(desired) - desired;
-  const Eigen::Vector3d inside = translation.cwiseMax(low).cwiseMin(high);
-  const bool limited = inside != translation;
-  translation = inside;
-  return limited;
+/// What a hold takes back while no pose comes. Its end is not timed: all of the silence counts, so
+/// that a correction is never there again after a robot was homed.
+void Corrector::takeBackAfterHold(double stamp) noexcept {
+  held_seen_ = held_.load();
+  if (!held_seen_) return;
+  const double silence =
+      next_.started ? stamp - next_.last_stamp : std::numeric_limits<double>::infinity();
+  const double uncounted = silence - limits_.max_step_time;  // correct() counts the rest
+  if (!(uncounted > 0.0)) return;
+  approach(next_.translation, Eigen::Vector3d::Zero(), limits_.max_translation_rate * uncounted);
+  approach(next_.rotation, Eigen::Vector3d::Zero(), limits_.max_rotation_rate * uncounted);
+  next_.commanded = false;  // who knows where the tool is now
 }
 
-/// Shortens the correction in force where it would take the command further from the tool than the
-/// robot takes, or further than the desired pose is: continuous, and zero stays zero.
-std::uint8_t Corrector::keepNearTool(double now, const Pose& desired) noexcept {
-  if (!(limits_.robot.max_step > 0.0) && !(limits_.robot.max_turn > 0.0)) return 0;
-  const bool known = now - measured_at_ <= limits_.max_measured_age && now >= measured_at_;
-  if (!known && !commanded_) return 0;
-  const Pose corrected{desired.p + translation_, desired.q * expRotation(rotation_)};
-  const NearTool near =
-      keepNear(limits_.robot, known ? measured_ : last_command_, desired, corrected);
-  if (near.shortened_position) translation_ = near.command.p - desired.p;
-  if (near.shortened_orientation) rotation_ = logRotation(desired.q.conjugate() * near.command.q);
-  std::uint8_t limits = 0;
-  if (near.shortened_position || near.shortened_orientation) limits |= kLimitRobotStep;
-  if (near.desired_beyond) limits |= kPlannerBeyond;
-  return limits;
+/// Shortens the correction in force where it would take the command out of the box, or further from
+/// the tool than the robot takes; or further than the desired pose is: continuous, and zero stays
+/// zero. Of a part that is not asked for nothing is known, and nothing is limited.
+void Corrector::keepWithinLimits(double now, Pose desired, bool position, bool orientation,
+                                 CorrectorOutput& output) noexcept {
+  const bool measured = std::abs(now - measured_at_) <= limits_.max_measured_age;
+  const Pose* const tool = measured ? &measured_ : next_.commanded ? &next_.last_command : nullptr;
+  if (!position) desired.p = tool != nullptr ? tool->p : Eigen::Vector3d::Zero();
+  if (!orientation) desired.q = tool != nullptr ? tool->q : Eigen::Quaterniond::Identity();
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  Eigen::AlignedBox3d room(Eigen::Vector3d::Constant(-kEverywhere),
+                           Eigen::Vector3d::Constant(kEverywhere));
+  if (has_box_) room = {limits_.box_min.cwiseMin(desired.p), limits_.box_max.cwiseMax(desired.p)};
+  Pose corrected = desired;
+  if (position) corrected.p += next_.translation;
+  if (orientation) corrected.q = corrected.q * expRotation(next_.rotation);
+  const NearTool near = keepNear(limits_.robot, tool, room, desired, corrected);
+  if (near.shortened_position || near.shortened_room)
+    next_.translation = near.command.p - desired.p;
+  if (near.shortened_orientation)
+    next_.rotation = logRotation(desired.q.conjugate() * near.command.q);
+  if (near.shortened_room) output.limits |= kLimitBox;
+  if (near.shortened_position || near.shortened_orientation) output.limits |= kLimitRobotStep;
+  if (near.desired_beyond) output.limits |= kPlannerBeyond;
+  if (limits_.robot.max_step > 0.0 || limits_.robot.max_turn > 0.0)
+    output.tool_known_by = measured          ? ToolKnownBy::kMeasured
+                           : tool != nullptr ? ToolKnownBy::kLastCommand
+                                             : ToolKnownBy::kNothing;
+}
+
+/// What all answers begin with.
+CorrectorOutput Corrector::answer() const noexcept {
+  CorrectorOutput output;
+  output.mode = mode_.load(std::memory_order_relaxed);
+  output.gain = gain_.load(std::memory_order_relaxed);
+  return output;
 }
 
 /// The pose that the mode wants, before limits, and why.
-CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
-                               Pose& wanted) noexcept {
-  CorrectorOutput output;
+void Corrector::aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted,
+                    CorrectorOutput& output) noexcept {
   wanted = desired;
-  const CorrectorMode mode = mode_.load(std::memory_order_relaxed);
+  const CorrectorMode mode = output.mode;
   if (mode == CorrectorMode::kOff) {
     output.code = CorrectorCode::kPassedOff;
-    return output;
+    return;
   }
   const CorrectionHold hold = hold_.load(std::memory_order_relaxed);
   if (hold != CorrectionHold::kNone) {
     output.code = hold == CorrectionHold::kRobotNotReady ? CorrectorCode::kPassedRobotNotReady
                                                          : CorrectorCode::kPassedOtherPublisher;
-    return output;
+    return;
   }
   if (live == nullptr) {
     output.code = CorrectorCode::kPassedNoModel;
-    return output;
+    return;
   }
-  const TrustRegion& trust = live->predictor.model().trust;
-  output.distance =
-      (desired.p - desired.p.cwiseMax(trust.workspace_min).cwiseMin(trust.workspace_max)).norm();
+  const Correction& model = live->predictor.model();
+  output.distance = distanceFromWorkspace(desired.p, model.trust);
   if (mode == CorrectorMode::kEndpoint && !endpoint) {
     output.code = CorrectorCode::kPassedBetweenEndpoints;
-    return output;
+    return;
   }
   const Prediction prediction = live->predictor.predict(live->estimator.motion(), *live->workspace);
-  output.model = &live->predictor.model().id;
+  output.model = &model.id;
   output.sd_position = prediction.sd_position;
   output.sd_rotation = prediction.sd_rotation;
   output.h_share = prediction.h_share * prediction.g_share;
   if (prediction.status == Prediction::Status::kModelFault) {
     output.code = CorrectorCode::kPassedModelFault;
     output.h_share = 0.0;
-    return output;
+    return;
   }
   wanted = prediction.command;
   output.code = CorrectorCode::kCorrected;
   const bool rigid_only =
-      mode == CorrectorMode::kRigid || live->predictor.model().process.groups.empty();
+      mode == CorrectorMode::kRigid || (model.process.groups.empty() && model.physics.empty());
   if (rigid_only) {
     wanted = prediction.g_share == 1.0 ? prediction.rigid
                                        : interpolate(desired, prediction.rigid, prediction.g_share);
@@ -255,9 +208,9 @@ CorrectorOutput Corrector::aim(Live* live, const Pose& desired, bool endpoint,
   }
   if (prediction.g_share == 0.0)
     output.code = CorrectorCode::kPassedOutside;
-  else if (prediction.g_share < 1.0 || (prediction.h_share < 1.0 && !rigid_only))
+  else if (prediction.g_share < 1.0 ||
+           (prediction.status == Prediction::Status::kFaded && !rigid_only))
     output.code = CorrectorCode::kCorrectedFaded;
-  return output;
 }
 
 std::optional<CorrectorCode> Corrector::fault(double stamp, double now,
@@ -269,60 +222,119 @@ std::optional<CorrectorCode> Corrector::fault(double stamp, double now,
     return CorrectorCode::kRefusedStale;
   if (limits_.max_ahead > 0.0 && !(stamp - now <= limits_.max_ahead))
     return CorrectorCode::kRefusedFuture;
-  if (started_ && !(stamp > last_stamp_)) return CorrectorCode::kRefusedTimeBackwards;
+  if (stream_.started && !(stamp > stream_.last_stamp)) return CorrectorCode::kRefusedTimeBackwards;
   return std::nullopt;
 }
 
-CorrectorOutput Corrector::correct(double stamp, double now, const Pose& desired,
+/// The last prepare() was not committed: as if it had never been.
+void Corrector::discard() noexcept {
+  if (!prepared_) return;
+  prepared_ = false;
+  if (followed_ != nullptr) followed_->undo();
+  reach_.discard();
+}
+
+/// Each model has its own way of telling a motion, but there is one motion.
+void Corrector::follow(MotionEstimator& follower, double stamp, const Pose& desired) noexcept {
+  if (&follower != follower_) follower.takeOver(*follower_);
+  follower_ = &follower;
+  const bool accepted = follower.push(stamp, desired) == MotionEstimator::Outcome::kAccepted;
+  followed_ = accepted ? &follower : nullptr;
+}
+
+void Corrector::commit() noexcept {
+  if (!prepared_) return;
+  prepared_ = false;
+  stream_ = next_;
+  reach_.commit();
+  if (!held_seen_) return;
+  held_.store(false);
+  if (hold_.load() != CorrectionHold::kNone) held_.store(true);  // and goes on after this pose
+}
+
+/// The first pose of all may be corrected by as much as one after a long silence. [s]
+double Corrector::stepTime(double stamp) const noexcept {
+  return next_.started ? std::min(stamp - next_.last_stamp, limits_.max_step_time)
+                       : limits_.max_step_time;
+}
+
+CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& desired,
+                                        bool position, bool orientation) noexcept {
+  discard();
+  CorrectorOutput output = answer();
+  output.code = CorrectorCode::kPassedNotAbsolute;
+  output.command = desired;
+  next_ = stream_;
+  followed_ = nullptr;
+  takeBackAfterHold(stamp);
+  const double elapsed = stepTime(stamp);
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  if (position && approach(next_.translation, none, limits_.max_translation_rate * elapsed))
+    output.limits |= kLimitRate;
+  if (orientation && approach(next_.rotation, none, limits_.max_rotation_rate * elapsed))
+    output.limits |= kLimitRate;
+  keepWithinLimits(now, desired, position, orientation, output);
+  if (position && !next_.translation.isZero(0.0)) output.command.p += next_.translation;
+  if (orientation && !next_.rotation.isZero(0.0))
+    output.command.q = (desired.q * expRotation(next_.rotation)).normalized();
+  if ((output.limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
+  next_.started = true;
+  next_.last_stamp = stamp;
+  next_.commanded = false;  // where the tool goes is not known
+  prepared_ = true;
+  return output;
+}
+
+CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired,
                                    bool endpoint) noexcept {
-  CorrectorOutput output;
+  discard();
+  CorrectorOutput output = answer();
   output.command = desired;
   if (const auto code = fault(stamp, now, desired)) {
     output.code = *code;
     return output;
   }
 
+  next_ = stream_;
+  takeBackAfterHold(stamp);
+  reach_.follow(desired);
   Live* const live = live_.load(std::memory_order_acquire);
-  // The estimator of a new model starts with its first pose, as at the start of a motion.
-  if (live != nullptr) live->estimator.push(stamp, desired);
+  follow(live != nullptr ? live->estimator : before_models_, stamp, desired);
   Pose wanted;
-  output = aim(live, desired, endpoint, wanted);
+  aim(live, desired, endpoint, wanted, output);
 
-  const double gain = gain_.load(std::memory_order_relaxed);
-  Eigen::Vector3d translation = gain * (wanted.p - desired.p);
-  Eigen::Vector3d rotation = gain * logRotation(desired.q.conjugate() * wanted.q);
-  std::uint8_t limits = 0;
-  if (shorten(translation, max_translation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
-  if (shorten(rotation, max_rotation_.load(std::memory_order_relaxed))) limits |= kLimitSize;
+  Eigen::Vector3d translation = output.gain * (wanted.p - desired.p);
+  Eigen::Vector3d rotation = output.gain * logRotation(desired.q.conjugate() * wanted.q);
+  if (shorten(translation, max_translation_.load(std::memory_order_relaxed)))
+    output.limits |= kLimitSize;
+  if (shorten(rotation, max_rotation_.load(std::memory_order_relaxed))) output.limits |= kLimitSize;
   if (reach_.isChecked() && !(translation.isZero(0.0) && rotation.isZero(0.0))) {
-    const double share = reach_.reachableShare(desired, translation, rotation);
+    const double share = reach_.reachableShare(translation, rotation);
     translation *= share;
     rotation *= share;
-    if (share < 1.0) limits |= kLimitReach;
+    if (share < 1.0) output.limits |= kLimitReach;
   }
-  // The first pose of all may be corrected by as much as one after a long silence.
-  const double elapsed =
-      started_ ? std::min(stamp - last_stamp_, limits_.max_step_time) : limits_.max_step_time;
-  if (approach(translation_, translation, limits_.max_translation_rate * elapsed))
-    limits |= kLimitRate;
-  if (approach(rotation_, rotation, limits_.max_rotation_rate * elapsed)) limits |= kLimitRate;
-  limits |= keepNearTool(now, desired);
-  if (keepInBox(desired.p, translation_)) limits |= kLimitBox;
-  started_ = true;
-  last_stamp_ = stamp;
+  const double elapsed = stepTime(stamp);
+  if (approach(next_.translation, translation, limits_.max_translation_rate * elapsed))
+    output.limits |= kLimitRate;
+  if (approach(next_.rotation, rotation, limits_.max_rotation_rate * elapsed))
+    output.limits |= kLimitRate;
+  keepWithinLimits(now, desired, true, true, output);
+  next_.started = true;
+  next_.last_stamp = stamp;
+  prepared_ = true;
 
-  const bool corrected = !(translation_.isZero(0.0) && rotation_.isZero(0.0));
-  output.limits = limits;
-  output.command = desired;
-  if (!translation_.isZero(0.0)) output.command.p += translation_;
-  if (!rotation_.isZero(0.0)) output.command.q = (desired.q * expRotation(rotation_)).normalized();
-  if ((limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
+  const bool corrected = !(next_.translation.isZero(0.0) && next_.rotation.isZero(0.0));
+  if (!next_.translation.isZero(0.0)) output.command.p += next_.translation;
+  if (!next_.rotation.isZero(0.0))
+    output.command.q = (desired.q * expRotation(next_.rotation)).normalized();
+  if ((output.limits & ~kPlannerBeyond) != 0) output.code = CorrectorCode::kCorrectedLimited;
   if (corrected && !reach_.reaches(output.command)) {
     output.code = CorrectorCode::kRefusedUnreachable;
     return output;
   }
-  last_command_ = output.command;
-  commanded_ = true;
+  next_.last_command = output.command;
+  next_.commanded = true;
   return output;
 }
 

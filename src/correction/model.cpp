@@ -3,6 +3,10 @@
 
 namespace raven_correction {
 
+double distanceFromWorkspace(const Eigen::Vector3d& p, const TrustRegion& trust) noexcept {
+  return (p - p.cwiseMax(trust.workspace_min).cwiseMin(trust.workspace_max)).norm();
+}
+
 std::size_t featureCount(const MotionOptions& options) noexcept {
   return 6 * (1 + twistCount(options));
 }

@@ -76,17 +76,37 @@ void MotionEstimator::reset() noexcept {
   count_ = 0;
 }
 
+void MotionEstimator::takeOver(const MotionEstimator& other) noexcept {
+  reset();
+  started_ = other.started_;
+  last_stamp_ = other.last_stamp_;
+  for (std::size_t i = 0; i < other.count_; ++i) {
+    const StampedPose& sample = other.samples_[i];
+    if (count_ > 0 && sample.stamp - samples_[count_ - 1].stamp > options_.max_gap) count_ = 0;
+    remember(sample);
+  }
+}
+
 void MotionEstimator::remember(const StampedPose& sample) noexcept {
   // A burst overwrites the newest place, so that the history always reaches far enough back.
-  if (count_ >= 2 && sample.stamp - samples_[count_ - 2].stamp < thinning_) {
-    samples_[count_ - 1] = sample;
-    return;
-  }
-  if (count_ == samples_.size()) {
+  const bool burst = count_ >= 2 && sample.stamp - samples_[count_ - 2].stamp < thinning_;
+  if (burst) {
+    --count_;
+  } else if (count_ == samples_.size()) {
     std::copy(samples_.begin() + kCapacity, samples_.end(), samples_.begin());
-    count_ = kCapacity;
+    undo_.count = count_ = kCapacity;
   }
+  undo_.place = count_;
+  undo_.replaced = samples_[count_];
   samples_[count_++] = sample;
+}
+
+void MotionEstimator::undo() noexcept {
+  samples_[undo_.place] = undo_.replaced;
+  count_ = undo_.count;
+  last_stamp_ = undo_.last_stamp;
+  started_ = undo_.started;
+  motion_ = undo_.motion;
 }
 
 MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) noexcept {
@@ -95,6 +115,10 @@ MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) n
   if (started_ && stamp < last_stamp_) return Outcome::kBackwards;
   if (started_ && stamp == last_stamp_) return Outcome::kRepeated;
   const double step = started_ ? stamp - last_stamp_ : 0.0;
+  undo_.count = count_;
+  undo_.last_stamp = last_stamp_;
+  undo_.started = started_;
+  undo_.motion = motion_;
   if (step > options_.max_gap) count_ = 0;
   started_ = true;
   last_stamp_ = stamp;

@@ -37,11 +37,6 @@ double smoothStep(double value, double low, double high) noexcept {
   return s * s * (3.0 - 2.0 * s);
 }
 
-double distanceToBox(const Eigen::Vector3d& p, const TrustRegion& trust) noexcept {
-  const Eigen::Vector3d nearest = p.cwiseMax(trust.workspace_min).cwiseMin(trust.workspace_max);
-  return (p - nearest).norm();
-}
-
 void checkModel(const Correction& model) {
   const TrustRegion& trust = model.trust;
   if (!isFinite(model.rigid) || !hasUnitQuaternion(model.rigid))
@@ -121,7 +116,7 @@ Prediction Predictor::predict(const Motion& motion, Workspace& workspace) const 
   }
   const double margin = model_.trust.workspace_margin;
   prediction.g_share =
-      1.0 - smoothStep(distanceToBox(motion.pose.p, model_.trust), margin, 2.0 * margin);
+      1.0 - smoothStep(distanceFromWorkspace(motion.pose.p, model_.trust), margin, 2.0 * margin);
   prediction.command =
       prediction.g_share == 1.0 ? full : interpolate(motion.pose, full, prediction.g_share);
   if (!isFinite(prediction.command)) {

@@ -23,7 +23,7 @@
 #include "raven_correction/SetMode.h"
 #include "raven_correction/StartRecording.h"
 #include "raven_correction/StopRecording.h"
-#include "raven_correction/correction/corrector.h"
+#include "raven_correction/correction/corrector_code.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/topics.h"
 

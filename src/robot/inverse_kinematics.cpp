@@ -76,6 +76,7 @@ void InverseKinematics::nearestTurn(const JointVector& seed, JointVector& q) con
   for (int i = 0; i < chain_.size(); ++i) {
     if (chain_.joints()[i].type != JointType::kRevolute) continue;
     q(i) += kTwoPi * std::round((seed(i) - q(i)) / kTwoPi);
+    if (!options_.inside_first) continue;
     const double tolerance = options_.limit_tolerance;
     if (q(i) > chain_.upper()(i) + tolerance && q(i) - kTwoPi >= chain_.lower()(i) - tolerance)
       q(i) -= kTwoPi;
@@ -103,7 +104,8 @@ bool InverseKinematics::nearestCandidate(const Pose& X_base_tool, const JointVec
   for (int c = 0; c < count; ++c) {
     JointVector candidate = candidates[static_cast<std::size_t>(c)];
     nearestTurn(seed, candidate);
-    const bool inside = chain_.withinLimits(candidate, options_.limit_tolerance);
+    const bool inside =
+        !options_.inside_first || chain_.withinLimits(candidate, options_.limit_tolerance);
     const double d = distance(candidate, seed);
     if (inside < best_inside || (inside == best_inside && !(d < best_distance))) continue;
     best_inside = inside;

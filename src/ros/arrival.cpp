@@ -16,10 +16,6 @@ Arrival::Arrival(double stamp_tolerance) : stamp_tolerance_(stamp_tolerance) {
 
 void Arrival::reset() noexcept { last_ = -std::numeric_limits<double>::infinity(); }
 
-bool Arrival::isReplay(const std::string& publisher, bool latched) {
-  return latched && latched_publishers_.insert(publisher).second;
-}
-
 double Arrival::actingTime(double now, double stamp) noexcept {
   double acting = std::abs(stamp - now) <= stamp_tolerance_ ? stamp : now;
   // Later than now by more than that: the clock was set back, and the last time means nothing.

@@ -55,7 +55,7 @@ void CommandGate::reset() noexcept {
 
 CommandVerdict CommandGate::judge(double now, const Eigen::Vector3d& measured,
                                   ArrivedCommand& command) {
-  if (arrival_.isReplay(command.publisher, command.latched)) return CommandVerdict::kLatched;
+  if (command.replay) return CommandVerdict::kLatched;
   if (withoutSlash(command.frame) != config_.base_frame) return CommandVerdict::kWrongFrame;
   Pose& pose = command.pose.pose;
   if (!isFinite(pose)) return CommandVerdict::kNotFinite;

@@ -12,7 +12,8 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kSamePlace = 1e-6;  ///< an end of the path is this near [m, rad]
+constexpr double kSamePlace = 1e-6;     ///< an end of the path is this near [m, rad]
+constexpr double kMasterSilence = 5.0;  ///< of the master, that is worth a warning [s]
 
 CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams& arm) {
   CorrectorLimits limits = params.limits;
@@ -30,11 +31,13 @@ CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams
 
 CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                            const CorrectorParams& params, const CorrectedArmParams& arm,
-                           ros::CallbackQueueInterface& live_queue)
+                           ros::CallbackQueueInterface& live_queue,
+                           ros::CallbackQueueInterface& model_queue)
     : nh_(nh, arm.ns),
       params_(params),
       arm_(arm),
       corrector_(limitsOf(params, arm)),
+      master_heard_at_(ros::SteadyTime::now().toSec()),
       reported_at_(ros::SteadyTime::now()),
       diagnostics_(nh, private_nh, private_nh.getNamespace()) {
   corrector_.setTuning(params.gain, params.limits.max_translation, params.limits.max_rotation);
@@ -53,9 +56,11 @@ CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& pri
         live, topics::kEncoder,
         params.pose_type == "TransformStamped" ? "TransformStamped" : "PoseStamped", 1,
         [this](const geometry_msgs::PoseStampedConstPtr& measured) { onMeasured(measured); });
-  model_subscriber_ = nh_.subscribe(topics::kModel, 1, &CorrectedArm::onModel, this);
+  ros::NodeHandle slow(nh_);
+  slow.setCallbackQueue(&model_queue);
+  model_subscriber_ = slow.subscribe(topics::kModel, 1, &CorrectedArm::onModel, this);
   diagnostics_timer_ = nh_.createWallTimer(
-      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_.update(); });
+      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
   ROS_INFO("corrector: model from %s, status on %s", model_subscriber_.getTopic().c_str(),
            status_publisher_.getTopic().c_str());
 }
@@ -70,26 +75,36 @@ std::optional<CorrectorCode> CorrectedArm::fault(const ArmRequest& request, doub
   return corrector_.fault(stamp, now, asked);
 }
 
-CorrectorOutput CorrectedArm::answer(const ArmRequest& request, double stamp, double now) noexcept {
+CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
+                                      double now) noexcept {
+  prepared_ = request.kind != ArmRequest::Kind::kInactive;
+  next_known_ = known_;
   CorrectorOutput output;
-  output.command = request.pose;
-  if (request.kind == ArmRequest::Kind::kInactive) {
+  if (!prepared_) {
+    output.command = request.pose;
     output.code = CorrectorCode::kPassedInactive;
+    output.mode = corrector_.mode();
     return output;
   }
-  if (request.kind == ArmRequest::Kind::kRelative) {
-    known_position_ = known_orientation_ = false;  // increments add up in the controller
-  } else {
-    if (request.position) known_.p = request.pose.p;
-    if (request.orientation) known_.q = request.pose.q;
-    known_position_ |= request.position;
-    known_orientation_ |= request.orientation;
-  }
-  if (known_position_ && known_orientation_)
-    return corrector_.correct(stamp, now, known_, isEndpoint(known_));
-  corrector_.skip(stamp);
-  output.code = CorrectorCode::kPassedNotAbsolute;
+  // Increments add up in the controller: after one, that part is not known any more.
+  const bool position = request.position && !request.position_relative;
+  const bool orientation = request.orientation && !request.orientation_relative;
+  if (request.position) next_known_.position = position;
+  if (request.orientation) next_known_.orientation = orientation;
+  if (position) next_known_.pose.p = request.pose.p;
+  if (orientation) next_known_.pose.q = request.pose.q;
+  if (!next_known_.position || !next_known_.orientation)
+    return corrector_.prepareParts(stamp, now, request.pose, position, orientation);
+  output = corrector_.prepare(stamp, now, next_known_.pose, isEndpoint(next_known_.pose));
+  if (!request.position) output.command.p = request.pose.p;
+  if (!request.orientation) output.command.q = request.pose.q;
   return output;
+}
+
+void CorrectedArm::commit(bool sent) noexcept {
+  if (prepared_) corrector_.commit();
+  prepared_ = false;
+  if (sent) known_ = next_known_;
 }
 
 void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
@@ -99,11 +114,14 @@ void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
   if (output.distance > distance_.load(std::memory_order_relaxed))
     distance_.store(output.distance, std::memory_order_relaxed);
   if ((output.limits & kPlannerBeyond) != 0) ++beyond_;
+  if (!isRefused(output.code)) tool_known_by_.store(output.tool_known_by);
   const boost::shared_ptr<CorrectionStatus> status = statuses_.next();
   status->header.stamp = stamp;
   status->header.frame_id = params_.base_frame;
   status->code = static_cast<std::uint8_t>(output.code);
-  status->mode = correctorModeName(corrector_.mode());
+  // A message that was refused before the arms were asked knows no mode.
+  status->mode = correctorModeName(isRefused(output.code) ? corrector_.mode() : output.mode);
+  status->gain = output.gain;
   if (output.model != nullptr)
     status->model = *output.model;
   else
@@ -120,7 +138,7 @@ void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
 
 void CorrectedArm::restart() noexcept {
   corrector_.restart();
-  known_position_ = known_orientation_ = false;
+  known_ = {};
 }
 
 bool CorrectedArm::isEndpoint(const Pose& desired) const noexcept {
@@ -143,7 +161,8 @@ void CorrectedArm::onPath(const geometry_msgs::PoseArray& path) {
 void CorrectedArm::onMeasured(const geometry_msgs::PoseStampedConstPtr& measured) {
   const std::string& frame = measured->header.frame_id;
   if (!sameName(frame, params_.base_frame) && !(frame.empty() && params_.allow_empty_frame)) return;
-  corrector_.setMeasured(ros::Time::now().toSec(), poseFromMsg(measured->pose));
+  corrector_.setMeasured(measured->header.stamp.toSec(), ros::Time::now().toSec(),
+                         poseFromMsg(measured->pose));
 }
 
 // --- told by others ------------------------------------------------------------------------------
@@ -183,21 +202,6 @@ void CorrectedArm::noteHoming(double now) {
   homed_at_ = now;
 }
 
-void CorrectedArm::addTo(Registrations& registrations) const {
-  registrations.add(status_publisher_.getTopic(), ros::message_traits::datatype<CorrectionStatus>(),
-                    true);
-  registrations.add(model_subscriber_.getTopic(), ros::message_traits::datatype<CorrectionModel>(),
-                    false);
-  registrations.add(path_subscriber_.getTopic(),
-                    ros::message_traits::datatype<geometry_msgs::PoseArray>(), false);
-  if (measured_subscriber_)
-    registrations.add(measured_subscriber_.getTopic(),
-                      params_.pose_type == "TransformStamped"
-                          ? ros::message_traits::datatype<geometry_msgs::TransformStamped>()
-                          : ros::message_traits::datatype<geometry_msgs::PoseStamped>(),
-                      false);
-}
-
 // --- diagnostics ---------------------------------------------------------------------------------
 
 void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -233,6 +237,8 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.add("share limited", share(of(CorrectorCode::kCorrectedLimited)));
   status.add("share refused", share(refused));
   status.add("share of poses beyond the robot's step", share(beyond));
+  const ToolKnownBy tool = tool_known_by_;
+  status.add("tool known by", toolKnownByName(tool));
   status.add("furthest from the trained region [m]", format("%.4f", distance_.exchange(0.0)));
   status.add("model", model_.id.empty() ? "none" : model_.id);
   if (model_.trained_at > 0.0)
@@ -250,8 +256,19 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   else
     status.summaryf(Level::OK, "%lu poses: %lu passed unchanged, %lu limited", all, passed,
                     of(CorrectorCode::kCorrectedLimited));
+  const double silence = now.toSec() - master_heard_at_;
+  if (params_.watch_output && silence > kMasterSilence)
+    status.mergeSummaryf(Level::WARN,
+                         "the master has not answered for %.0f s: who else publishes commands is "
+                         "not known",
+                         silence);
   if (corrector_.hold() == CorrectionHold::kRobotNotReady)
     status.mergeSummary(Level::WARN, "the robot is not enabled and homed: nothing is corrected");
+  if (all > 0 && (tool == ToolKnownBy::kLastCommand || tool == ToolKnownBy::kNothing))
+    status.mergeSummaryf(
+        Level::WARN, "no fresh %s says where the tool is: the robot's step is taken from the %s",
+        measured_subscriber_.getTopic().c_str(),
+        tool == ToolKnownBy::kNothing ? "next command on" : "last command");
   if (beyond > 0)
     status.mergeSummary(Level::WARN, "the planner's poses are further than the robot's step");
   if (!refusal_.empty()) status.mergeSummary(Level::WARN, "a model was refused: " + refusal_);

@@ -28,7 +28,8 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   std::vector<CorrectedArm*> all;
   for (const CorrectedArmParams& arm : params_.arms) {
     arm_names_.push_back(arm.name);
-    arms_.push_back(std::make_unique<CorrectedArm>(nh_, private_nh_, params_, arm, live_queue_));
+    arms_.push_back(
+        std::make_unique<CorrectedArm>(nh_, private_nh_, params_, arm, live_queue_, model_queue_));
     all.push_back(arms_.back().get());
   }
   robot_ready_ = params_.robot_state_topic.empty();
@@ -47,26 +48,30 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
         params_.robot_state_topic, 1,
         boost::function<void(const ros::MessageEvent<AnyMessage const>&)>(
             [this](const ros::MessageEvent<AnyMessage const>& event) { onRobotState(event); }));
-    registrations_.add(robot_state_subscriber_.getTopic(), "*", false);
   }
   offerServices("", all);
-  for (CorrectedArm* const arm : all) {
-    arm->addTo(registrations_);
-    if (arms_.size() > 1) offerServices(arm->ns() + "/", {arm});
-  }
+  if (arms_.size() > 1)
+    for (CorrectedArm* const arm : all) offerServices(arm->ns() + "/", {arm});
   for (const ros::ServiceServer& service : services_)
     registrations_.addService(service.getService());
+  registrations_.addService(private_nh_.resolveName("set_parameters"));  // of dynamic_reconfigure
+  tuning_in_force_.gain = params_.gain;
+  tuning_in_force_.max_translation = params_.limits.max_translation;
+  tuning_in_force_.max_rotation = params_.limits.max_rotation;
   tuning_ = std::make_unique<dynamic_reconfigure::Server<CorrectorConfig>>(private_nh_);
   tuning_->setCallback(
-      [this](const CorrectorConfig& config, std::uint32_t /*level*/) { onTuning(config); });
+      [this](CorrectorConfig& config, std::uint32_t /*level*/) { onTuning(config); });
   if (params_.watch_output) {
+    watchOutput();  // before the first pose
     ros::NodeHandle slow(nh_);
     slow.setCallbackQueue(&master_queue_);
     master_timer_ = slow.createWallTimer(ros::WallDuration(kMasterPeriod),
-                                         [this](const ros::WallTimerEvent&) { watchMaster(); });
+                                         [this](const ros::WallTimerEvent&) { watchOutput(); });
   }
   live_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &live_queue_);
   live_spinner_->start();
+  model_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &model_queue_);
+  model_spinner_->start();
   master_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &master_queue_);
   master_spinner_->start();
   ROS_INFO("corrector: %s -> %s (%s)", desired_subscriber_.getTopic().c_str(),
@@ -75,6 +80,7 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
 
 CorrectorNode::~CorrectorNode() {
   live_spinner_->stop();
+  model_spinner_->stop();
   master_spinner_->stop();
 }
 
@@ -88,20 +94,9 @@ void CorrectorNode::subscribeDesired() {
       boost::function<void(const ros::MessageEvent<Message const>&)>(
           [this](const ros::MessageEvent<Message const>& event) { onDesired<Message>(event); }),
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
-  const char* const datatype = ros::message_traits::datatype<Message>();
-  registrations_.add(command_publisher_.getTopic(), datatype, true);
-  registrations_.add(desired_subscriber_.getTopic(), datatype, false);
 }
 
 // --- live ----------------------------------------------------------------------------------------
-
-/// The first message of a latched publisher may be from yesterday.
-bool CorrectorNode::isStaleLatched(const ros::M_string& header) {
-  const auto latching = header.find("latching");
-  if (latching == header.end() || latching->second != "1") return false;
-  const auto caller = header.find("callerid");
-  return latched_publishers_.insert(caller == header.end() ? "" : caller->second).second;
-}
 
 /// A bag that loops, a simulation that starts again.
 void CorrectorNode::watchClock(const ros::Time& now) {
@@ -149,16 +144,20 @@ bool CorrectorNode::decide(bool readable, bool latched, double now, CommandReque
       outputs[i].code = refused[i].value_or(CorrectorCode::kRefusedWithOtherArm);
     return any;
   };
-  // All are looked at before any is corrected: a refused command changes nothing.
+  // All are looked at before any counts: a refused command changes nothing.
   for (std::size_t i = 0; i < arms_.size(); ++i)
     if (isAsked(request.arms[i])) refused[i] = arms_[i]->fault(request.arms[i], stamp, now);
   if (anyRefused()) return false;
   for (std::size_t i = 0; i < arms_.size(); ++i) {
     if (request.arms[i].kind == ArmRequest::Kind::kAbsent) continue;
-    outputs[i] = arms_[i]->answer(request.arms[i], stamp, now);
+    outputs[i] = arms_[i]->prepare(request.arms[i], stamp, now);
     if (isRefused(outputs[i].code)) refused[i] = outputs[i].code;
   }
-  return !anyRefused();
+  const bool sent = !anyRefused();
+  for (std::size_t i = 0; i < arms_.size(); ++i)
+    if (request.arms[i].kind != ArmRequest::Kind::kAbsent && (sent || refused[i]))
+      arms_[i]->commit(sent);
+  return sent;
 }
 
 template <typename Message>
@@ -171,7 +170,7 @@ void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
   CommandRequest request;
   Outputs outputs;
   const bool readable = readCommand(*message, arm_names_, request);
-  const bool latched = isStaleLatched(event.getConnectionHeader());
+  const bool latched = replays_.isReplay(event.getConnectionHeaderPtr());
   if (decide(readable, latched, now.toSec(), request, outputs)) {
     // Header and all else stay as the planner sent them; an unchanged command is the same message.
     boost::shared_ptr<Message> changed;
@@ -219,44 +218,65 @@ void CorrectorNode::onRobotState(const ros::MessageEvent<AnyMessage const>& even
 
 // --- others --------------------------------------------------------------------------------------
 
-void CorrectorNode::updateHold() {
-  const std::lock_guard<std::mutex> lock(hold_mutex_);
-  const CorrectionHold hold = !alone_         ? CorrectionHold::kOtherPublisher
-                              : !robot_ready_ ? CorrectionHold::kRobotNotReady
-                                              : CorrectionHold::kNone;
-  for (const auto& arm : arms_) arm->setHold(hold);
+CorrectionHold CorrectorNode::holdNow() const noexcept {
+  if (!alone_) return CorrectionHold::kOtherPublisher;
+  return robot_ready_ ? CorrectionHold::kNone : CorrectionHold::kRobotNotReady;
 }
 
-void CorrectorNode::watchMaster() {
-  const MasterView view = askMaster(command_publisher_.getTopic());
+/// Of the live thread and of the one that asks the master, without a lock: whoever writes last has
+/// seen what both of them know.
+void CorrectorNode::updateHold() noexcept {
+  CorrectionHold hold;
+  do {
+    hold = holdNow();
+    for (const auto& arm : arms_) arm->setHold(hold);
+  } while (hold != holdNow());
+}
+
+void CorrectorNode::noteMaster(const MasterView& view) {
   if (!view.answered) {
     if (!master_lost_) ROS_WARN("corrector: the master does not answer; correction goes on");
     master_lost_ = true;
     return;
   }
-  if (!view.registered && registrations_.repeat())
+  for (const auto& arm : arms_) arm->noteMaster();
+  if (!view.registered) forgotten_ = true;
+  if (forgotten_ && registrations_.repeat()) {
+    forgotten_ = false;
     ROS_WARN("corrector: the master was started anew and has been told of this node again");
-  else if (master_lost_)
+  } else if (master_lost_) {
     ROS_INFO("corrector: the master answers again");
+  }
   master_lost_ = false;
-  const bool alone = view.other_publishers.empty();
+  other_publisher_ = view.other_publishers.empty() ? "" : view.other_publishers.front();
+}
+
+void CorrectorNode::watchOutput() {
+  const std::string& topic = command_publisher_.getTopic();
+  noteMaster(askMaster(topic));
+  const bool here = publishersInThisProcess(topic) > 1;
+  const bool alone = !here && other_publisher_.empty();
   if (alone_.exchange(alone) == alone) return;
   updateHold();
   if (alone)
-    ROS_WARN("corrector: the only publisher on %s again", command_publisher_.getTopic().c_str());
+    ROS_WARN("corrector: the only publisher on %s again", topic.c_str());
   else
     ROS_ERROR("corrector: %s publishes on %s, too: nothing is corrected until it stops",
-              view.other_publishers.front().c_str(), command_publisher_.getTopic().c_str());
+              here ? "somebody in this process" : other_publisher_.c_str(), topic.c_str());
 }
 
-void CorrectorNode::onTuning(const CorrectorConfig& config) {
+/// What cannot be taken is answered with what is in force: the server would keep it, and refuse
+/// every later change with it.
+void CorrectorNode::onTuning(CorrectorConfig& config) {
   try {
     for (const auto& arm : arms_)
       arm->setTuning(config.gain, config.max_translation, config.max_rotation);
     ROS_INFO("corrector: gain %g, at most %g m and %g rad", config.gain, config.max_translation,
              config.max_rotation);
+    tuning_in_force_ = config;
   } catch (const InvalidInput& error) {
     ROS_ERROR("%s; nothing was changed", error.what());
+    config = tuning_in_force_;
   }
 }
 

@@ -33,35 +33,76 @@ void readLimits(ParamReader& read, CorrectorLimits& limits) {
   read.positive("max_measured_age", limits.max_measured_age, 10.0);
 }
 
-void readArm(ParamReader& read, CorrectedArmParams& arm) {
-  read.text("arm", arm.arm);
-  read.text("tool", arm.tool);
-  read.text("model", arm.model);
-  read.text("robot", arm.robot);
+/// @param ns  below that of the node; empty: the same
+void readArm(ParamReader& read, const std::string& ns, CorrectedArmParams& arm) {
+  const std::string prefix = ns.empty() ? "" : ns + "/";
+  read.text(prefix + "arm", arm.arm);
+  read.text(prefix + "tool", arm.tool);
+  read.text(prefix + "model", arm.model);
+  read.text(prefix + "robot", arm.robot);
+  arm.model = expandHome(arm.model);
+  arm.robot = expandHome(arm.robot);
 }
 
-/// The arms of a RavenCommand by the names and namespaces that were given.
-std::vector<CorrectedArmParams> namedArms(const std::vector<std::string>& names,
+/// The arms of a RavenCommand by the names and namespaces that were given; none where they are
+/// wrong.
+std::vector<CorrectedArmParams> namedArms(ParamReader& read, const std::vector<std::string>& names,
                                           std::vector<std::string> namespaces) {
-  if (names.empty() || names.size() > kMaxCorrectedArms)
-    throw InvalidInput(
-        format("corrector: ~arms has %zu names, must be 1 to %zu: those that pose_type %s uses, "
-               "e.g. [L, R]",
-               names.size(), kMaxCorrectedArms, kRavenCommand));
+  if (names.empty() || names.size() > kMaxCorrectedArms) {
+    read.problem("arms", format("has %zu names, must be 1 to %zu: those that pose_type %s uses, "
+                                "e.g. [L, R]",
+                                names.size(), kMaxCorrectedArms, kRavenCommand));
+    return {};
+  }
   if (namespaces.empty() && names.size() > 1) namespaces = names;
   if (namespaces.empty()) namespaces.resize(1);
-  if (namespaces.size() != names.size())
-    throw InvalidInput(format("corrector: %zu ~arms but %zu ~arm_namespaces; give one for each",
-                              names.size(), namespaces.size()));
-  if (std::set<std::string>(names.begin(), names.end()).size() != names.size() ||
-      std::set<std::string>(namespaces.begin(), namespaces.end()).size() != names.size())
-    throw InvalidInput("corrector: a name occurs twice in ~arms or in ~arm_namespaces");
+  if (namespaces.size() != names.size()) {
+    read.problem("arm_namespaces", format("has %zu entries for %zu ~arms; give one for each",
+                                          namespaces.size(), names.size()));
+    return {};
+  }
+  const auto hasTwice = [](const std::vector<std::string>& texts) {
+    return std::set<std::string>(texts.begin(), texts.end()).size() != texts.size();
+  };
+  if (hasTwice(names)) read.problem("arms", "has a name twice");
+  if (hasTwice(namespaces)) read.problem("arm_namespaces", "has an entry twice");
+  if (hasTwice(names) || hasTwice(namespaces)) return {};
   std::vector<CorrectedArmParams> arms(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     arms[i].name = names[i];
     arms[i].ns = namespaces[i];
   }
   return arms;
+}
+
+/// What is set for the node is that of its only arm; of two, each has its own.
+void readArms(ParamReader& read, std::vector<CorrectedArmParams>& arms) {
+  CorrectedArmParams common;
+  readArm(read, "", common);
+  if (arms.size() > 1) {
+    const std::pair<std::string, const std::string*> values[] = {{"arm", &common.arm},
+                                                                 {"tool", &common.tool},
+                                                                 {"model", &common.model},
+                                                                 {"robot", &common.robot}};
+    for (const auto& [name, value] : values)
+      if (!value->empty())
+        read.problem(name, "is set for both arms; set ~" + arms[0].ns + "/" + name + " and ~" +
+                               arms[1].ns + "/" + name);
+  }
+  for (CorrectedArmParams& arm : arms) {
+    if (arms.size() == 1) {
+      arm.arm = common.arm;
+      arm.tool = common.tool;
+      arm.model = common.model;
+      arm.robot = common.robot;
+    }
+    if (arm.ns.empty()) continue;
+    readArm(read, arm.ns, arm);
+    if (arms.size() > 1 && arm.arm.empty())
+      read.problem(
+          arm.ns + "/arm",
+          "is missing: a model of one arm must not be taken for the other; e.g. raven2_left");
+  }
 }
 
 }  // namespace
@@ -84,37 +125,23 @@ CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh) {
   read.flag("watch_output", params.watch_output);
 
   params.arms.resize(1);
-  CorrectedArmParams common;
-  readArm(read, common);
   if (params.pose_type == kRavenCommand)
-    params.arms = namedArms(names, namespaces);
+    params.arms = namedArms(read, names, namespaces);
   else if (!names.empty() || !namespaces.empty())
-    throw InvalidInput(
-        "corrector: ~arms and ~arm_namespaces are for pose_type RavenCommand only; other messages "
-        "carry one pose, and an arm is a namespace");
+    read.problem(
+        names.empty() ? "arm_namespaces" : "arms",
+        "is for pose_type RavenCommand only; other messages carry one pose, and an arm is a "
+        "namespace");
+  readArms(read, params.arms);
   std::vector<std::string> known_namespaces{"diagnostic_period"};
-  std::string summaries;
-  for (CorrectedArmParams& arm : params.arms) {
-    const std::string name = arm.name, ns = arm.ns;
-    arm = common;
-    arm.name = name;
-    arm.ns = ns;
-    if (ns.empty()) continue;
-    ParamReader read_arm(ros::NodeHandle(nh, arm.ns), "corrector: arm " + arm.name);
-    readArm(read_arm, arm);
-    read_arm.refuseUnknownKeys();
-    read_arm.throwIfAnyProblem();
-    summaries += "\n" + read_arm.summary();
-    known_namespaces.push_back(arm.ns.substr(0, arm.ns.find('/')));
+  if (params.arms.empty()) {  // what is below them is no problem by itself
+    known_namespaces.insert(known_namespaces.end(), names.begin(), names.end());
+    known_namespaces.insert(known_namespaces.end(), namespaces.begin(), namespaces.end());
   }
   read.refuseUnknownKeys(known_namespaces);
   read.throwIfAnyProblem();
   params.base_frame = withoutSlash(params.base_frame);
-  for (CorrectedArmParams& arm : params.arms) {
-    arm.model = expandHome(arm.model);
-    arm.robot = expandHome(arm.robot);
-  }
-  ROS_INFO("%s%s", read.summary().c_str(), summaries.c_str());
+  ROS_INFO("%s", read.summary().c_str());
   return params;
 }
 
@@ -134,14 +161,19 @@ void checkModelIsFor(const Correction& model, const CorrectorParams& params,
   if (!sameName(model.frame, params.base_frame))
     refuse(format("is for the frame \"%s\", this corrector works in \"%s\" (~base_frame)",
                   model.frame.c_str(), params.base_frame.c_str()));
-  compare("arm", model.arm, arm.arm, "arm");
-  compare("tool", model.tool, arm.tool, "tool");
+  const struct {
+    const char* name;
+    const std::string &of_model, &here;
+  } required[] = {{"arm", model.arm, arm.arm}, {"tool", model.tool, arm.tool}};
+  for (const auto& field : required) {
+    compare(field.name, field.of_model, field.here, field.name);
+    if (!field.here.empty() && field.of_model.empty())
+      refuse(
+          format("does not say for which %s it is, and ~%s asks for \"%s\"; train it with the "
+                 "trainer's ~%s set",
+                 field.name, field.name, field.here.c_str(), field.name));
+  }
   compare("message type", model.pose_type, params.pose_type, "pose_type");
-  if (!arm.arm.empty() && model.arm.empty())
-    refuse(
-        format("does not say for which arm it is, and ~arm asks for \"%s\"; train it with the "
-               "trainer's ~arm set",
-               arm.arm.c_str()));
   if (model.expires_at > 0.0 && now > model.expires_at)
     refuse(
         format("has expired %.1f h ago; record and train again, or check it and raise the "

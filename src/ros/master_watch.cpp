@@ -5,15 +5,23 @@
 #include <ros/init.h>
 #include <ros/master.h>
 #include <ros/network.h>
+#include <ros/publication.h>
 #include <ros/this_node.h>
+#include <ros/topic_manager.h>
 #include <ros/xmlrpc_manager.h>
+#include <xmlrpcpp/XmlRpcClient.h>
+
+#include <chrono>
 
 namespace raven_correction {
 namespace {
 
-bool ask(const std::string& method, XmlRpc::XmlRpcValue& arguments, XmlRpc::XmlRpcValue& answer) {
-  XmlRpc::XmlRpcValue response;
-  return ros::master::execute(method, arguments, response, answer, /*wait_for_master=*/false);
+constexpr double kTimeout = 2.0;  // of one call [s]
+
+bool ask(const std::string& method, const XmlRpc::XmlRpcValue& arguments,
+         XmlRpc::XmlRpcValue& answer) {
+  return callXmlRpc(ros::master::getHost(), static_cast<int>(ros::master::getPort()), method,
+                    arguments, kTimeout, answer);
 }
 
 /// As the master does when a publisher appears; roscpp lets nobody else set them.
@@ -26,11 +34,33 @@ void tellOurselves(const std::string& uri, const std::string& topic,
   arguments[0] = "/master";
   arguments[1] = topic;
   arguments[2] = publishers;
-  XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
-  client.execute("publisherUpdate", arguments, answer);
+  callXmlRpc(host, static_cast<int>(port), "publisherUpdate", arguments, kTimeout, answer);
 }
 
 }  // namespace
+
+bool callXmlRpc(const std::string& host, int port, const std::string& method,
+                const XmlRpc::XmlRpcValue& arguments, double timeout,
+                XmlRpc::XmlRpcValue& payload) {
+  using Clock = std::chrono::steady_clock;
+  constexpr double kPatience = 0.05;  // of one round [s]
+  XmlRpc::XmlRpcClient client(host.c_str(), port, "/");
+  XmlRpc::XmlRpcValue response;
+  if (!client.executeNonBlock(method.c_str(), arguments)) return false;
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout);
+  while (!client.executeCheckDone(response)) {
+    // The client takes itself out of its dispatcher where the connection fails.
+    if (client._disp._sources.empty() || Clock::now() > end) return false;
+    client._disp.work(kPatience);
+  }
+  // [code, text, payload], and code 1 is success
+  if (client.isFault() || response.getType() != XmlRpc::XmlRpcValue::TypeArray ||
+      response.size() != 3 || response[0].getType() != XmlRpc::XmlRpcValue::TypeInt ||
+      static_cast<int>(response[0]) != 1)
+    return false;
+  payload = response[2];
+  return true;
+}
 
 MasterView askMaster(const std::string& topic) {
   MasterView view;
@@ -58,40 +88,49 @@ MasterView askMaster(const std::string& topic) {
   return view;
 }
 
+std::size_t publishersInThisProcess(const std::string& topic) {
+  const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic);
+  return publication ? publication->getNumCallbacks() : 0;
+}
+
 // Asked for at the start: a node that is being shut down has no port any more.
 Registrations::Registrations()
     : uri_(ros::XMLRPCManager::instance()->getServerURI()),
       service_uri_("rosrpc://" + ros::network::getHost() + ":" +
-                   std::to_string(ros::ConnectionManager::instance()->getTCPPort())) {}
+                   std::to_string(ros::ConnectionManager::instance()->getTCPPort())),
+      services_{ros::this_node::getName() + "/get_loggers",
+                ros::this_node::getName() + "/set_logger_level"} {}
 
 bool Registrations::repeat() const {
-  bool complete = true;
-  for (const Topic& topic : topics_) {
-    XmlRpc::XmlRpcValue arguments, answer;
-    arguments[0] = ros::this_node::getName();
-    arguments[1] = topic.name;
-    arguments[2] = topic.datatype;
-    arguments[3] = uri_;
-    if (!ros::ok()) return false;  // it has taken itself off the master's list
-    if (!ask(topic.published ? "registerPublisher" : "registerSubscriber", arguments, answer)) {
-      complete = false;
-      continue;
-    }
-    if (topic.published) continue;
+  XmlRpc::XmlRpcValue arguments, answer;
+  arguments[0] = ros::this_node::getName();
+  // A node that is being shut down has taken itself off the master's list.
+  const auto told = [&](const char* method) { return ros::ok() && ask(method, arguments, answer); };
+  std::vector<std::string> published, subscribed;
+  ros::this_node::getAdvertisedTopics(published);
+  ros::this_node::getSubscribedTopics(subscribed);
+  arguments[3] = uri_;
+  for (const std::string& topic : published) {
+    const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic);
+    if (!publication) continue;  // not any more
+    arguments[1] = topic;
+    arguments[2] = publication->getDataType();
+    if (!told("registerPublisher")) return false;
+  }
+  for (const std::string& topic : subscribed) {
+    arguments[1] = topic;
+    arguments[2] = "*";
+    if (!told("registerSubscriber")) return false;
     // An empty list would end connections to publishers that the master does not know yet.
     if (answer.getType() == XmlRpc::XmlRpcValue::TypeArray && answer.size() > 0)
-      tellOurselves(uri_, topic.name, answer);
+      tellOurselves(uri_, topic, answer);
   }
+  arguments[2] = service_uri_;
   for (const std::string& service : services_) {
-    XmlRpc::XmlRpcValue arguments, answer;
-    arguments[0] = ros::this_node::getName();
     arguments[1] = service;
-    arguments[2] = service_uri_;
-    arguments[3] = uri_;
-    if (!ros::ok()) return false;
-    complete = ask("registerService", arguments, answer) && complete;
+    if (!told("registerService")) return false;
   }
-  return complete;
+  return true;
 }
 
 }  // namespace raven_correction

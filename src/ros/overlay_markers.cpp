@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "overlay_painter.h"
-#include "raven_correction/correction/corrector.h"
+#include "raven_correction/correction/corrector_code.h"
 #include "raven_correction/error.h"
 
 namespace raven_correction {

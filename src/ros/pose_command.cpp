@@ -25,12 +25,15 @@ ArmRequest requestOf(const RavenArmCommand& arm, bool pedal_down) noexcept {
   request.place = arm.place;
   request.position = (arm.pose_option & kRavenPositionEnabled) != 0;
   request.orientation = (arm.pose_option & kRavenOrientationEnabled) != 0;
-  const bool relative = (request.position && (arm.pose_option & kRavenPositionRelative) != 0) ||
-                        (request.orientation && (arm.pose_option & kRavenOrientationRelative) != 0);
+  request.position_relative = request.position && (arm.pose_option & kRavenPositionRelative) != 0;
+  request.orientation_relative =
+      request.orientation && (arm.pose_option & kRavenOrientationRelative) != 0;
   if (!pedal_down || !arm.active || !(request.position || request.orientation))
     request.kind = ArmRequest::Kind::kInactive;
   else
-    request.kind = relative ? ArmRequest::Kind::kRelative : ArmRequest::Kind::kPose;
+    request.kind = request.position_relative || request.orientation_relative
+                       ? ArmRequest::Kind::kRelative
+                       : ArmRequest::Kind::kPose;
   return request;
 }
 

@@ -10,11 +10,6 @@
 namespace raven_correction {
 namespace {
 
-bool isLatched(const ros::M_string& connection_header) {
-  const auto latching = connection_header.find("latching");
-  return latching != connection_header.end() && latching->second == "1";
-}
-
 void publishJoints(const ros::Publisher& publisher, const std::vector<std::string>& names,
                    const std::vector<StampedJoints>& samples) {
   for (const StampedJoints& sample : samples)
@@ -89,7 +84,7 @@ void SimulatedArmPort::onCommand(const ros::MessageEvent<geometry_msgs::PoseStam
   command.pose = stampedPoseFromMsg(msg);
   command.frame = msg.header.frame_id;
   command.publisher = event.getPublisherName();
-  command.latched = isLatched(event.getConnectionHeader());
+  command.replay = replays_.isReplay(event.getConnectionHeaderPtr());
 
   const CommandVerdict verdict = gate_.judge(cell_->time(), cell_->arm().measuredPose().p, command);
   if (!isTaken(verdict)) {
@@ -118,7 +113,7 @@ void SimulatedArmPort::onJaw(const ros::MessageEvent<sensor_msgs::JointState con
   const sensor_msgs::JointState& msg = *event.getConstMessage();
   const double stamp = msg.header.stamp.toSec();
   const char* problem = nullptr;
-  if (jaw_arrival_.isReplay(event.getPublisherName(), isLatched(event.getConnectionHeader())))
+  if (replays_.isReplay(event.getConnectionHeaderPtr()))
     problem = "the replay of a latched publisher";
   else if (msg.position.size() != 1 || !std::isfinite(msg.position[0]))
     problem = "`position` must hold one finite opening [rad]";

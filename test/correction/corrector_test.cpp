@@ -1,40 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "raven_correction/correction/corrector.h"
-
-#include <gtest/gtest.h>
-
-#include <atomic>
+// What becomes of one pose. What a stream of them does to the correction is
+// corrector_stream_test.cpp.
+#include <array>
 #include <limits>
-#include <thread>
 
+#include "correction/corrector_fixture.h"
 #include "raven_correction/error.h"
+#include "robot/robots.h"
 #include "support/allocation_guard.h"
-#include "support/simple_model.h"
 
 namespace raven_correction {
 namespace {
-
-CorrectorLimits looseLimits() {
-  CorrectorLimits limits;
-  limits.max_translation_rate = 10.0;  // reaches any correction of these tests in one command
-  limits.max_rotation_rate = 100.0;
-  return limits;
-}
-
-bool same(const Pose& a, const Pose& b) { return a.p == b.p && a.q.coeffs() == b.q.coeffs(); }
-
-/// A slow motion inside the trained region.
-Pose inside(int i) { return {{1e-4 * i, 0.01, -0.01}, expRotation({0.02, 0.0, 1e-4 * i})}; }
-
-double stampOf(int i) { return 100.0 + 0.02 * i; }
-
-class CorrectorTest : public ::testing::Test {
- protected:
-  CorrectorOutput send(Corrector& corrector, int i) {
-    return corrector.correct(stampOf(i), stampOf(i), inside(i), false);
-  }
-  const Correction model_ = simpleModel();
-};
 
 TEST_F(CorrectorTest, WithoutAModelOrOffThePoseIsUnchangedBitForBit) {
   Corrector corrector(looseLimits());
@@ -66,6 +42,48 @@ TEST_F(CorrectorTest, TheFullCorrectionIsThatOfThePredictor) {
     EXPECT_LT(rotationAngle(output.command.q, expected.command.q), 1e-12);
     EXPECT_EQ(*output.model, "simple");
     EXPECT_GT(output.sd_position.minCoeff(), 0.0);
+  }
+}
+
+TEST_F(CorrectorTest, AModelOfAnyKindIsWhatThePredictorMakesOfIt) {
+  const auto desired = [](int i) {
+    return Pose{{-0.02 + 1e-4 * i, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
+  };
+  for (const bool physics : {false, true}) {
+    for (const bool process : {false, true}) {
+      Correction model = model_;
+      model.trust.workspace_min.setConstant(-1.0);
+      model.trust.workspace_max.setConstant(1.0);
+      if (!process) model.process = {};
+      if (physics) {
+        model.physics.texts =
+            simulationTexts(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+        model.physics.timing = {model.delay, 0.01, 100.0};
+      }
+      CorrectorLimits limits = looseLimits();
+      limits.max_translation = 0.2;
+      limits.max_rotation = 3.0;
+      Corrector corrector(limits);
+      corrector.setModel(model);
+      corrector.setMode(CorrectorMode::kFull);
+      const Predictor predictor(model);
+      const auto workspace = predictor.makeWorkspace();
+      MotionEstimator estimator(model.motion);
+      for (int i = 0; i < 40; ++i) {
+        const CorrectorOutput output = corrector.correct(stampOf(i), stampOf(i), desired(i), false);
+        estimator.push(stampOf(i), desired(i));
+        const Prediction expected = predictor.predict(estimator.motion(), *workspace);
+        ASSERT_LT((output.command.p - expected.command.p).norm(), 1e-12) << physics << process;
+        ASSERT_LT(rotationAngle(output.command.q, expected.command.q), 1e-12);
+        if (physics) {
+          ASSERT_GT((output.command.p - expected.rigid.p).norm(), 1e-3);
+        }
+        if (!process) {
+          EXPECT_EQ(output.code, physics ? CorrectorCode::kCorrected : CorrectorCode::kRigidOnly);
+          EXPECT_EQ(output.h_share, 0.0);
+        }
+      }
+    }
   }
 }
 
@@ -137,48 +155,6 @@ TEST_F(CorrectorTest, SizeIsLimitedAndSaysSo) {
   }
 }
 
-TEST_F(CorrectorTest, StepsAreLimitedThroughSwapsOfModelAndMode) {
-  CorrectorLimits limits;
-  limits.max_translation_rate = 0.1;
-  limits.max_rotation_rate = 1.0;
-  Corrector corrector(limits);
-  Correction other = model_;
-  other.id = "other";
-  other.rigid.p.x() += 0.02;
-  Pose last_desired = inside(0), last_command = last_desired;
-  for (int i = 0; i < 400; ++i) {
-    if (i == 20) corrector.setMode(CorrectorMode::kFull);
-    if (i == 40) corrector.setModel(model_);
-    if (i == 120) corrector.setModel(other);
-    if (i == 200) corrector.setMode(CorrectorMode::kRigid);
-    if (i == 260) corrector.setMode(CorrectorMode::kOff);
-    const CorrectorOutput output = send(corrector, i);
-    // The command moves with the desired pose, plus at most the rate times the interval. The first
-    // pose of all may start with the step of max_step_time; here it is not corrected.
-    const double own = (inside(i).p - last_desired.p).norm();
-    EXPECT_LE((output.command.p - last_command.p).norm(), own + 0.1 * 0.02 + 1e-9) << i;
-    EXPECT_LE(rotationAngle(output.command.q, last_command.q),
-              rotationAngle(inside(i).q, last_desired.q) + 1.0 * 0.02 + 1e-9)
-        << i;
-    last_desired = inside(i);
-    last_command = output.command;
-  }
-  EXPECT_TRUE(same(last_command, last_desired));  // off for long: unchanged again
-}
-
-TEST_F(CorrectorTest, ALongSilenceDoesNotAllowALargeStep) {
-  CorrectorLimits limits;
-  limits.max_translation_rate = 0.1;
-  limits.max_step_time = 0.05;
-  Corrector corrector(limits);
-  send(corrector, 0);  // off
-  corrector.setModel(model_);
-  corrector.setMode(CorrectorMode::kFull);
-  const CorrectorOutput output = corrector.correct(900.0, 900.0, inside(1), false);
-  EXPECT_EQ(output.code, CorrectorCode::kCorrectedLimited);
-  EXPECT_LE((output.command.p - inside(1).p).norm(), 0.1 * 0.05 + 1e-12);
-}
-
 TEST_F(CorrectorTest, WhereTheDataSayNothingTheGaussianProcessFadesToTheRigidStep) {
   Correction timid = model_;
   timid.trust.fade_start = 1e-6;  // of the prior deviation: every state is beyond that
@@ -235,37 +211,16 @@ TEST_F(CorrectorTest, TheBoxDoesNotMakeTheCommandJumpWhereThePlannerItselfLeaves
   EXPECT_THROW(Corrector{limits}, InvalidInput);
 }
 
-TEST_F(CorrectorTest, AHoldTakesTheCorrectionBackInSteps) {
-  CorrectorLimits limits;
-  limits.max_translation_rate = 0.1;
-  Corrector corrector(limits);
-  corrector.setModel(model_);
-  corrector.setMode(CorrectorMode::kFull);
-  for (int i = 0; i < 50; ++i) send(corrector, i);
-  corrector.setHold(CorrectionHold::kRobotNotReady);
-  Eigen::Vector3d last = send(corrector, 50).command.p - inside(50).p;
-  EXPECT_GT(last.norm(), 0.005);
-  for (int i = 51; i < 150; ++i) {
-    const Eigen::Vector3d now = send(corrector, i).command.p - inside(i).p;
-    EXPECT_LE((now - last).norm(), 0.1 * 0.02 + 1e-12);
-    last = now;
-  }
-  const CorrectorOutput output = send(corrector, 150);
-  EXPECT_EQ(output.code, CorrectorCode::kPassedRobotNotReady);
-  EXPECT_TRUE(same(output.command, inside(150)));
-  corrector.setHold(CorrectionHold::kOtherPublisher);
-  EXPECT_EQ(send(corrector, 151).code, CorrectorCode::kPassedOtherPublisher);
-  corrector.setMode(CorrectorMode::kOff);
-  EXPECT_EQ(send(corrector, 152).code, CorrectorCode::kPassedOff);
-}
-
 TEST_F(CorrectorTest, TheGainIsAShareOfTheCorrection) {
   Corrector corrector(looseLimits());
   corrector.setModel(model_);
   corrector.setMode(CorrectorMode::kRigid);
   const Eigen::Vector3d full = send(corrector, 0).command.p - inside(0).p;
   corrector.setTuning(0.25, 0.06, 0.8);
-  const Pose quarter = send(corrector, 1).command;
+  const CorrectorOutput output = send(corrector, 1);
+  const Pose quarter = output.command;
+  EXPECT_EQ(output.gain, 0.25);
+  EXPECT_EQ(output.mode, CorrectorMode::kRigid);
   const Eigen::Vector3d wanted = 0.25 * ((model_.rigid * inside(1)).p - inside(1).p);
   EXPECT_LT((quarter.p - inside(1).p - wanted).norm(), 1e-12);
   EXPECT_GT(full.norm(), 0.01);
@@ -274,17 +229,6 @@ TEST_F(CorrectorTest, TheGainIsAShareOfTheCorrection) {
   EXPECT_THROW(corrector.setTuning(1.1, 0.06, 0.8), InvalidInput);
   EXPECT_THROW(corrector.setTuning(std::nan(""), 0.06, 0.8), InvalidInput);
   EXPECT_THROW(corrector.setTuning(1.0, 0.0, 0.8), InvalidInput);
-}
-
-TEST_F(CorrectorTest, AForwardedPoseThatWasNotCorrectedMakesOlderOnesStale) {
-  Corrector corrector(looseLimits());
-  send(corrector, 0);
-  EXPECT_FALSE(corrector.fault(stampOf(1), stampOf(1), inside(1)).has_value());
-  corrector.skip(stampOf(1));
-  EXPECT_EQ(corrector.fault(stampOf(1), stampOf(1), inside(1)),
-            CorrectorCode::kRefusedTimeBackwards);
-  EXPECT_EQ(send(corrector, 1).code, CorrectorCode::kRefusedTimeBackwards);
-  EXPECT_EQ(send(corrector, 2).code, CorrectorCode::kPassedOff);
 }
 
 TEST_F(CorrectorTest, TheDistanceIsThatFromTheBoxOfTheTraining) {
@@ -296,46 +240,115 @@ TEST_F(CorrectorTest, TheDistanceIsThatFromTheBoxOfTheTraining) {
   EXPECT_NEAR(corrector.correct(101.0, 101.0, far, false).distance, 0.05, 1e-12);
 }
 
-TEST_F(CorrectorTest, WithoutAMeasuredPoseTheLastCommandIsWhereTheToolIs) {
-  CorrectorLimits limits = looseLimits();
-  limits.robot.max_step = 0.004;
-  Corrector corrector(limits);
-  send(corrector, 0);  // off: the tool is where the planner wants it
-  corrector.setModel(model_);
-  corrector.setMode(CorrectorMode::kFull);
-  const CorrectorOutput output = send(corrector, 1);
-  EXPECT_NEAR((output.command.p - inside(0).p).norm(), 0.004, 1e-9);
-  EXPECT_TRUE(output.limits & kLimitRobotStep);
-  // A measured pose counts for max_measured_age, and only if it is one.
-  Pose tool = inside(2);
-  tool.p.x() -= 0.003;
-  corrector.setMeasured(stampOf(2), tool);
-  Pose bad = tool;
-  bad.p.x() = std::nan("");
-  corrector.setMeasured(stampOf(2), bad);
-  EXPECT_NEAR((send(corrector, 2).command.p - tool.p).norm(), 0.004, 1e-9);
-}
+// Every answer of a corrector with all its limits, a chain and a measured tool; only what the node
+// itself answers (frames, latched publishers, other arms) is not among them.
+TEST_F(CorrectorTest, NoAnswerAllocates) {
+  const auto chain = std::make_shared<KinematicChain>(shippedRobot("raven2_left"));
+  JointVector q = chain->home();
+  const int insertion = chain->indexOf("insertion");
+  q(insertion) = chain->lower()(insertion) + 0.03;
+  const Pose home = chain->forward(q);
+  q(insertion) -= 0.029;
+  const Pose border = chain->forward(q);  // the correction leads out of reach from here
+  q(insertion) -= 0.05;
+  const Pose beyond = chain->forward(q);  // and here the planner is out of reach itself
 
-TEST_F(CorrectorTest, TheLivePathDoesNotAllocate) {
-  Corrector corrector(looseLimits());
-  corrector.setModel(model_);
-  corrector.setMode(CorrectorMode::kFull);
-  send(corrector, 0);
-  Pose bad = inside(0);
-  bad.p.x() = std::nan("");
+  const Correction model =
+      simpleModel(VelocityKind::kCausal, home,
+                  {0.02 * (border.p - home.p).normalized(), Eigen::Quaterniond::Identity()});
+  Correction overflowing = model, faded = model, rigid = model;
+  overflowing.id = "overflowing";
+  overflowing.process.groups[0].weights.setConstant(1e308);
+  faded.id = "faded";
+  faded.trust.fade_start = 1e-6;
+  faded.trust.fade_end = 1e-5;
+  rigid.id = "rigid";
+  rigid.process = {};
+
+  CorrectorLimits limits;
+  limits.robot.chain = chain;
+  limits.robot.max_step = 0.05;
+  limits.robot.max_turn = 1.0;
+  limits.box_min.setConstant(-0.5);
+  limits.box_max.setConstant(0.5);
+  Corrector corrector(limits);
+  std::array<bool, 32> seen{};
   int allocations = 0;
+  double stamp = 100.0;
+  // @param at  stamp relative to the clock [s]
+  const auto answer = [&](const Pose& desired, double at = 0.0, bool endpoint = false) {
+    const AllocationGuard guard;
+    stamp += 0.05;
+    corrector.setMeasured(stamp, stamp, home);
+    const CorrectorOutput output = corrector.correct(stamp + at, stamp, desired, endpoint);
+    seen[static_cast<std::size_t>(output.code)] = true;
+    allocations += guard.count();
+  };
+  const auto answers = [&](const Pose& desired) {
+    for (int i = 0; i < 40; ++i) answer(desired);
+  };
+  answer(home);  // off
+  corrector.setMode(CorrectorMode::kFull);
+  answer(home);  // no model
+  for (const Correction* const next : {&overflowing, &faded, &rigid, &model}) {
+    corrector.setModel(*next);
+    answers(home);
+    corrector.setMode(CorrectorMode::kOff);
+    answers(home);
+    corrector.setMode(CorrectorMode::kFull);
+    answers(home);
+  }
+  answer(border);  // unreachable at first, then limited
+  answers(border);
+  answers(beyond);
+  answers({home.p + Eigen::Vector3d(0.3, 0.0, 0.0), home.q});  // outside
+  answers({home.p + Eigen::Vector3d(0.12, 0.0, 0.0), home.q});
+  for (const CorrectionHold hold :
+       {CorrectionHold::kRobotNotReady, CorrectionHold::kOtherPublisher, CorrectionHold::kNone}) {
+    corrector.setHold(hold);
+    answers(home);
+  }
+  corrector.setMode(CorrectorMode::kEndpoint);
+  answers(home);
+  answer(home, 0.0, true);
+  Pose bad = home;
+  bad.p.x() = std::nan("");
+  answer(bad);
+  bad = home;
+  bad.q.coeffs() *= 1.1;
+  answer(bad);
+  answer(home, -stamp - 0.05);  // zero
+  answer(home, -1.0);
+  answer(home, 1.0);
+  answer(home, 0.4);
+  answer(home);  // before the one before
+  stamp += 1.0;
+  for (int i = 0; i < 40; ++i, stamp += 0.05) {
+    const AllocationGuard guard;
+    const CorrectorOutput output =
+        corrector.prepareParts(stamp, stamp, home, i % 2 == 0, i % 3 == 0);
+    corrector.commit();
+    seen[static_cast<std::size_t>(output.code)] = true;
+    corrector.prepare(stamp + 0.01, stamp, home, false);  // and forgotten
+    allocations += guard.count();
+  }
   {
     const AllocationGuard guard;
-    for (int i = 1; i < 300; ++i) send(corrector, i);
-    corrector.correct(1.0, 1.0, bad, false);
-    corrector.correct(1.0, 1.0, inside(0), true);
-    corrector.setMode(CorrectorMode::kRigid);
-    send(corrector, 300);
-    corrector.setMode(CorrectorMode::kOff);
-    send(corrector, 301);
-    allocations = guard.count();
+    corrector.restart();
+    allocations += guard.count();
   }
   EXPECT_EQ(allocations, 0);
+  for (const CorrectorCode code :
+       {CorrectorCode::kCorrected, CorrectorCode::kCorrectedFaded, CorrectorCode::kCorrectedLimited,
+        CorrectorCode::kRigidOnly, CorrectorCode::kPassedOff, CorrectorCode::kPassedNoModel,
+        CorrectorCode::kPassedOutside, CorrectorCode::kPassedModelFault,
+        CorrectorCode::kPassedBetweenEndpoints, CorrectorCode::kPassedNotAbsolute,
+        CorrectorCode::kPassedRobotNotReady, CorrectorCode::kPassedOtherPublisher,
+        CorrectorCode::kRefusedNotFinite, CorrectorCode::kRefusedNotUnit,
+        CorrectorCode::kRefusedZeroStamp, CorrectorCode::kRefusedStale,
+        CorrectorCode::kRefusedFuture, CorrectorCode::kRefusedTimeBackwards,
+        CorrectorCode::kRefusedUnreachable})
+    EXPECT_TRUE(seen[static_cast<std::size_t>(code)]) << correctorCodeName(code);
 }
 
 TEST_F(CorrectorTest, NorDoesItWithPhysicsAsTheMean) {
@@ -357,26 +370,6 @@ TEST_F(CorrectorTest, NorDoesItWithPhysicsAsTheMean) {
     allocations = guard.count();
   }
   EXPECT_EQ(allocations, 0);
-}
-
-TEST_F(CorrectorTest, ModelsMaySwapWhilePosesFlow) {
-  Corrector corrector(looseLimits());
-  corrector.setMode(CorrectorMode::kFull);
-  std::atomic<bool> stop{false};
-  std::atomic<int> swaps{0};
-  std::thread setter([&] {
-    while (!stop && swaps < 50) {
-      corrector.setModel(model_);
-      ++swaps;
-    }
-  });
-  int i = 0;
-  while (swaps < 50 || i < 1000) {
-    const CorrectorOutput output = send(corrector, i++);
-    EXPECT_TRUE(output.command.p.allFinite());
-  }
-  stop = true;
-  setter.join();
 }
 
 TEST(CorrectorLimits, AreChecked) {

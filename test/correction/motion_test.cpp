@@ -73,6 +73,66 @@ TEST(MotionEstimator, RefusesWhatIsNotAPoseOrNotNewAndChangesNothing) {
   EXPECT_EQ(estimator.motion().twists[0].v, before);
 }
 
+TEST(MotionEstimator, ASampleThatIsTakenBackLeavesNoTrace) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (const VelocityKind kind :
+       {VelocityKind::kNone, VelocityKind::kCausal, VelocityKind::kPast}) {
+    MotionOptions options;
+    options.velocity = kind;
+    options.window = 0.4;
+    MotionEstimator disturbed(options), undisturbed(options);
+    double t = 1.0;
+    for (int i = 0; i < 6000; ++i) {  // several times what is remembered
+      // Bursts, ordinary steps and gaps; the first sample of all is taken back, too.
+      const double kind_of_step = uniform(random);
+      t += kind_of_step < 0.3 ? 1e-5 : kind_of_step < 0.998 ? 1e-3 : 0.5;
+      if (i == 0 || uniform(random) < 0.3) {
+        disturbed.push(t + uniform(random), {randomVector(random, 1.0), at(t).pose.q});
+        disturbed.undo();
+      }
+      ASSERT_EQ(disturbed.push(t, at(t).pose), Outcome::kAccepted) << i;
+      undisturbed.push(t, at(t).pose);
+      ASSERT_EQ(disturbed.motion().pose.p, undisturbed.motion().pose.p);
+      ASSERT_EQ(disturbed.motion().step, undisturbed.motion().step);
+      for (std::size_t k = 0; k < twistCount(options); ++k) {
+        ASSERT_EQ(disturbed.motion().twists[k].v, undisturbed.motion().twists[k].v) << i;
+        ASSERT_EQ(disturbed.motion().twists[k].w, undisturbed.motion().twists[k].w) << i;
+      }
+    }
+  }
+}
+
+TEST(MotionEstimator, OneThatTakesOverKnowsWhatTheOtherKnew) {
+  for (const VelocityKind kind : {VelocityKind::kCausal, VelocityKind::kPast}) {
+    MotionOptions other_options;
+    other_options.velocity = VelocityKind::kNone;
+    other_options.window = 1.0;
+    other_options.max_gap = 10.0;
+    MotionOptions options;
+    options.velocity = kind;
+    for (const bool gap : {false, true}) {
+      MotionEstimator other(other_options), late(options), all_along(options);
+      double t = 1.0;
+      for (int i = 0; i < 300; ++i, t += 0.004) {
+        if (gap && i == 280) t += 1.0;  // longer than max_gap
+        other.push(t, at(t).pose);
+        all_along.push(t, at(t).pose);
+      }
+      late.takeOver(other);
+      EXPECT_EQ(late.push(t - 0.01, at(t).pose), Outcome::kBackwards);
+      late.push(t, at(t).pose);
+      all_along.push(t, at(t).pose);
+      EXPECT_GT(all_along.motion().twists[0].v.norm(), 0.05);
+      EXPECT_EQ(late.motion().step, all_along.motion().step);
+      for (std::size_t k = 0; k < twistCount(options); ++k) {
+        EXPECT_EQ(late.motion().twists[k].v, all_along.motion().twists[k].v) << k;
+        EXPECT_EQ(late.motion().twists[k].w, all_along.motion().twists[k].w) << k;
+      }
+    }
+  }
+}
+
 TEST(MotionEstimator, ABurstDoesNotShortenItsMemory) {
   // At 20 kHz, 0.4 s are 8000 samples, many more than are remembered.
   MotionOptions options;

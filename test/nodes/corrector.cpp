@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trainer and corrector as a user drives them: retrain from a bag by service, correct poses live,
 // refuse bad ones, roll back.
-#include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
-#include <raven_correction/CorrectionModel.h>
-#include <raven_correction/CorrectionStatus.h>
 #include <raven_correction/LoadModel.h>
 #include <raven_correction/Retrain.h>
 #include <raven_correction/SaveModel.h>
-#include <raven_correction/SetMode.h>
 #include <raven_correction/TrainingReport.h>
 #include <raven_correction/WorkProgress.h>
 #include <ros/package.h>
 #include <ros/ros.h>
-#include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
 #include <filesystem>
@@ -25,15 +20,15 @@
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/session_bag.h"
 #include "raven_correction/simulation/session.h"
+#include "support/corrector_probe.h"
 #include "support/node_main.h"
-#include "support/wait_for.h"
 
 namespace raven_correction {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLimit = 20.0;  // for everything that takes milliseconds [s]
+const Pose kDesired{{-0.02, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
 
 std::string directory() {
   std::string path;
@@ -43,34 +38,16 @@ std::string directory() {
 
 class NodesTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    publisher_ = nh_.advertise<geometry_msgs::PoseStamped>("desired/servo_cp", 10);
-    command_ = nh_.subscribe<geometry_msgs::PoseStamped>(
-        "servo_cp", 100, [this](const auto& msg) { commands_.push_back(*msg); });
-    status_ = nh_.subscribe<CorrectionStatus>(
-        "correction/status", 100, [this](const auto& msg) { statuses_.push_back(*msg); });
-    model_ = nh_.subscribe<CorrectionModel>("correction/model", 10,
-                                            [this](const auto& msg) { model_id_ = msg->id; });
-    progress_ = nh_.subscribe<WorkProgress>(
-        "trainer/progress", 100, [this](const auto& msg) { phases_.insert(msg->phase); });
-    report_ = nh_.subscribe<TrainingReport>("trainer/report", 10,
-                                            [this](const auto& msg) { last_report_ = *msg; });
-    ASSERT_TRUE(ros::service::waitForService("arm/trainer/retrain", 30000));
-    ASSERT_TRUE(ros::service::waitForService("arm/corrector/enable", 30000));
-    ASSERT_TRUE(until([&] {
-      return publisher_.getNumSubscribers() == 1 && command_.getNumPublishers() == 1 &&
-             status_.getNumPublishers() == 1;
-    }));
-  }
+  using Probe = CorrectorProbe<geometry_msgs::PoseStamped>;
 
-  template <typename Condition>
-  bool until(Condition condition) {
-    return waitFor(
-        [&] {
-          ros::spinOnce();
-          return condition();
-        },
-        kLimit);
+  void SetUp() override {
+    model_ = probe_.nh.subscribe<CorrectionModel>("correction/model", 10,
+                                                  [this](const auto& msg) { model_id_ = msg->id; });
+    progress_ = probe_.nh.subscribe<WorkProgress>(
+        "trainer/progress", 100, [this](const auto& msg) { phases_.insert(msg->phase); });
+    report_ = probe_.nh.subscribe<TrainingReport>("trainer/report", 10,
+                                                  [this](const auto& msg) { last_report_ = *msg; });
+    ASSERT_TRUE(ros::service::waitForService("arm/trainer/retrain", 30000));
   }
 
   template <typename Service>
@@ -79,37 +56,13 @@ class NodesTest : public ::testing::Test {
     return service;
   }
 
-  geometry_msgs::PoseStamped desired() const {
-    geometry_msgs::PoseStamped msg = stampedPoseToMsg(
-        ros::Time::now().toSec(), {{-0.02, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}}, "0_link");
-    return msg;
-  }
-
-  /// Sends one pose and returns the status that answers it.
-  CorrectionStatus send(const geometry_msgs::PoseStamped& msg) {
-    const std::size_t before = statuses_.size();
-    publisher_.publish(msg);
-    EXPECT_TRUE(until([&] { return statuses_.size() > before; }));
-    return statuses_.empty() ? CorrectionStatus() : statuses_.back();
-  }
-
-  /// Fails the test unless the pose is refused with this code and nothing is forwarded.
+  geometry_msgs::PoseStamped desired() const { return probe_.message(kDesired); }
   void expectRefused(const geometry_msgs::PoseStamped& msg, std::uint8_t code) {
-    const std::size_t before = commands_.size();
-    EXPECT_EQ(send(msg).code, code);
-    // Both topics come from one thread over one connection each: after a further accepted pose,
-    // exactly one command more has arrived.
-    send(desired());
-    EXPECT_TRUE(until([&] { return commands_.size() > before; }));
-    EXPECT_EQ(commands_.size(), before + 1);
+    probe_.expectRefused(msg, code, kDesired);
   }
 
-  Pose wanted_{{-0.02, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
-  ros::NodeHandle nh_{"/arm"};
-  ros::Publisher publisher_;
-  ros::Subscriber command_, status_, model_, progress_, report_;
-  std::vector<geometry_msgs::PoseStamped> commands_;
-  std::vector<CorrectionStatus> statuses_;
+  Probe probe_{"arm"};
+  ros::Subscriber model_, progress_, report_;
   std::string model_id_;
   std::set<std::string> phases_;
   TrainingReport last_report_;
@@ -118,14 +71,14 @@ class NodesTest : public ::testing::Test {
 TEST_F(NodesTest, TheWholeJob) {
   // Before anything is learnt, poses pass unchanged, with the planner's stamp.
   const geometry_msgs::PoseStamped first = desired();
-  EXPECT_EQ(send(first).code, CorrectionStatus::PASSED_OFF);
-  ASSERT_TRUE(until([&] { return !commands_.empty(); }));
-  EXPECT_EQ(commands_.back().pose, first.pose);
-  EXPECT_EQ(commands_.back().header.stamp, first.header.stamp);
+  EXPECT_EQ(probe_.send(first).code, CorrectionStatus::PASSED_OFF);
+  ASSERT_TRUE(probe_.until([&] { return !probe_.commands.empty(); }));
+  EXPECT_EQ(probe_.commands.back().pose, first.pose);
+  EXPECT_EQ(probe_.commands.back().header.stamp, first.header.stamp);
   std_srvs::SetBool enable;
   enable.request.data = true;
   EXPECT_NE(call("corrector/enable", enable).response.message.find("no model"), std::string::npos);
-  EXPECT_EQ(send(desired()).code, CorrectionStatus::PASSED_NO_MODEL);
+  EXPECT_EQ(probe_.send(desired()).code, CorrectionStatus::PASSED_NO_MODEL);
 
   // A retraining without data, and one with a file that is not there, fail with the reason.
   Retrain retrain = call("trainer/retrain", Retrain());
@@ -156,7 +109,7 @@ TEST_F(NodesTest, TheWholeJob) {
   ASSERT_EQ(retrain.response.files.size(), 1u);
   EXPECT_TRUE(fs::exists(retrain.response.files[0]));
   const std::string model = retrain.response.model;
-  EXPECT_TRUE(until([&] { return model_id_ == model && last_report_.model == model; }));
+  EXPECT_TRUE(probe_.until([&] { return model_id_ == model && last_report_.model == model; }));
   EXPECT_TRUE(last_report_.success);
   EXPECT_GT(last_report_.held_out_pairs, 0u);
   for (const char* const phase : {"reading", "cleaning", "fitting", "validating", "saving"})
@@ -164,12 +117,11 @@ TEST_F(NodesTest, TheWholeJob) {
 
   // Now poses are corrected where the tool was seen in training: after a few the limit on steps is
   // behind us, and the command is what the model file says.
-  wanted_ = session.trajectories[3].observations.back().pose;
   geometry_msgs::PoseStamped sent;
   CorrectionStatus status;
-  EXPECT_TRUE(until([&] {
+  EXPECT_TRUE(probe_.until([&] {
     sent = desired();
-    status = send(sent);
+    status = probe_.send(sent);
     return status.code == CorrectionStatus::CORRECTED;
   }));
   EXPECT_EQ(status.model, model);
@@ -212,10 +164,10 @@ TEST_F(NodesTest, TheWholeJob) {
   again.request.output = directory() + "/models/second.bag";
   again = call("trainer/retrain", again);
   ASSERT_TRUE(again.response.success) << again.response.message;
-  EXPECT_TRUE(until([&] { return model_id_ == again.response.model; }));
+  EXPECT_TRUE(probe_.until([&] { return model_id_ == again.response.model; }));
   const std_srvs::Trigger back = call("trainer/rollback", std_srvs::Trigger());
   EXPECT_TRUE(back.response.success);
-  EXPECT_TRUE(until([&] { return model_id_ == model; }));
+  EXPECT_TRUE(probe_.until([&] { return model_id_ == model; }));
   EXPECT_FALSE(call("trainer/rollback", std_srvs::Trigger()).response.success);
 
   // Save never replaces unasked; load takes what save wrote, and refuses what is no model.
@@ -228,7 +180,7 @@ TEST_F(NodesTest, TheWholeJob) {
   EXPECT_TRUE(call("trainer/load", load).response.success);
   load.request.file = bag;
   EXPECT_FALSE(call("trainer/load", load).response.success);
-  EXPECT_TRUE(until([&] { return model_id_ == model; }));
+  EXPECT_TRUE(probe_.until([&] { return model_id_ == model; }));
 
   // Modes.
   SetMode mode;
@@ -236,18 +188,20 @@ TEST_F(NodesTest, TheWholeJob) {
   EXPECT_FALSE(call("corrector/set_mode", mode).response.success);
   mode.request.mode = "rigid";
   EXPECT_EQ(call("corrector/set_mode", mode).response.previous, "full");
-  EXPECT_TRUE(until([&] { return send(desired()).code == CorrectionStatus::RIGID_ONLY; }));
+  EXPECT_TRUE(
+      probe_.until([&] { return probe_.send(desired()).code == CorrectionStatus::RIGID_ONLY; }));
   mode.request.mode = "off";
   call("corrector/set_mode", mode);
-  EXPECT_TRUE(until([&] { return send(desired()).code == CorrectionStatus::PASSED_OFF; }));
+  EXPECT_TRUE(
+      probe_.until([&] { return probe_.send(desired()).code == CorrectionStatus::PASSED_OFF; }));
 }
 
 TEST_F(NodesTest, TheFirstMessageOfALatchedPublisherIsNoCommand) {
-  publisher_.shutdown();
-  publisher_ = nh_.advertise<geometry_msgs::PoseStamped>("desired/servo_cp", 10, true);
-  ASSERT_TRUE(until([&] { return publisher_.getNumSubscribers() == 1; }));
-  EXPECT_EQ(send(desired()).code, CorrectionStatus::REFUSED_LATCHED);
-  EXPECT_NE(send(desired()).code, CorrectionStatus::REFUSED_LATCHED);
+  probe_.publisher.shutdown();
+  probe_.publisher = probe_.nh.advertise<geometry_msgs::PoseStamped>("desired/servo_cp", 10, true);
+  ASSERT_TRUE(probe_.until([&] { return probe_.publisher.getNumSubscribers() == 1; }));
+  EXPECT_EQ(probe_.send(desired()).code, CorrectionStatus::REFUSED_LATCHED);
+  EXPECT_NE(probe_.send(desired()).code, CorrectionStatus::REFUSED_LATCHED);
 }
 
 }  // namespace

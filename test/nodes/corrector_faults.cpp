@@ -2,6 +2,7 @@
 // Every fault of doc/faults.md that comes through a topic or a service, injected there. Those of
 // clocks are corrector_clock.cpp, those of processes corrector_processes.py.
 #include <dynamic_reconfigure/Reconfigure.h>
+#include <geometry_msgs/PoseArray.h>
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
@@ -131,14 +132,18 @@ TEST_F(CorrectorFaults, EmptyFrameIsNotForwardedUnlessAllowed) {
 }
 
 TEST_F(CorrectorFaults, FirstMessageOfALatchedPublisherIsNotForwarded) {
-  probe_.publisher.shutdown();
-  probe_.publisher =
-      probe_.nh.advertise<geometry_msgs::PoseStamped>("desired/servo_cp", 10, /*latch=*/true);
-  ASSERT_TRUE(probe_.until([&] { return probe_.publisher.getNumSubscribers() == 1; }));
-  const std::size_t before = probe_.commands.size();
-  EXPECT_EQ(probe_.send(good()).code, CorrectionStatus::REFUSED_LATCHED);
-  EXPECT_EQ(probe_.commands.size(), before);
-  EXPECT_LT(probe_.send(good()).code, 16);
+  // The second time it is a planner that comes back under the same name, with its last message.
+  for (int i = 0; i < 2; ++i) {
+    probe_.publisher.shutdown();
+    ASSERT_TRUE(probe_.until([&] { return probe_.publisher.getNumSubscribers() == 0; }));
+    probe_.publisher =
+        probe_.nh.advertise<geometry_msgs::PoseStamped>("desired/servo_cp", 10, /*latch=*/true);
+    ASSERT_TRUE(probe_.until([&] { return probe_.publisher.getNumSubscribers() == 1; }));
+    const std::size_t before = probe_.commands.size();
+    EXPECT_EQ(probe_.send(good()).code, CorrectionStatus::REFUSED_LATCHED) << i;
+    EXPECT_EQ(probe_.commands.size(), before);
+    EXPECT_LT(probe_.send(good()).code, 16);
+  }
 }
 
 // --- the stream ----------------------------------------------------------------------------------
@@ -266,6 +271,69 @@ TEST_F(CorrectorFaults, ExpiredModelIsRefused) {
   expectModelRefused(bad, "expired");
 }
 
+TEST_F(CorrectorFaults, ModelThatExpiresInUseGoesOnAndIsReported) {
+  Correction mortal = model();
+  mortal.id = "mortal";
+  mortal.expires_at = ros::WallTime::now().toSec() + 2.0;
+  probe_.publishModel(mortal);
+  EXPECT_TRUE(probe_.sendUntil(
+      kInside, [](const CorrectionStatus& status) { return status.model == "mortal"; }));
+  EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+    return status.level == diagnostic_msgs::DiagnosticStatus::WARN &&
+           status.message.find("the model has expired") != std::string::npos;
+  }));
+  EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED && status.model == "mortal";
+  }));
+}
+
+TEST_F(CorrectorFaults, ModelThatAnswersWithNoNumberIsPassedAndReported) {
+  CorrectionModel bad = modelToMsg(model());
+  bad.id = "overflowing";
+  for (double& weight : bad.groups[0].alpha) weight = 1e308;  // finite, but no sum of them
+  probe_.statuses.clear();
+  probe_.publishModel(bad);
+  EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::PASSED_MODEL_FAULT && status.command == status.desired;
+  }));
+  probe_.diagnostics.clear();
+  EXPECT_TRUE(probe_.until([&] {
+    probe_.send(kInside);
+    for (const auto& said : probe_.diagnostics)
+      if (said.level == diagnostic_msgs::DiagnosticStatus::ERROR &&
+          said.message.find("not finite") != std::string::npos)
+        return true;
+    return false;
+  }));
+  expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
+}
+
+TEST_F(CorrectorFaults, EndpointModeCorrectsTheEndsOfThePathAlone) {
+  const Pose first = along(0.1), between = along(0.4), last = along(0.7);
+  ros::Publisher path = probe_.nh.advertise<geometry_msgs::PoseArray>("desired/path", 1);
+  ASSERT_TRUE(probe_.until([&] { return path.getNumSubscribers() == 1; }));
+  geometry_msgs::PoseArray poses;
+  poses.header.frame_id = "0_link";
+  for (const Pose& pose : {first, between, last}) poses.poses.push_back(poseToMsg(pose));
+  probe_.setMode("endpoint");
+  const auto isPassed = [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::PASSED_BETWEEN_ENDPOINTS &&
+           status.command == status.desired;
+  };
+  const auto isCorrected = [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED && status.mode == "endpoint";
+  };
+  EXPECT_TRUE(probe_.sendUntil(first, isPassed)) << "there is no path yet";
+  path.publish(poses);
+  EXPECT_TRUE(probe_.sendUntil(first, isCorrected));
+  EXPECT_TRUE(probe_.sendUntil(between, isPassed));
+  EXPECT_TRUE(probe_.sendUntil(last, isCorrected));
+  // In a frame that is not known, a path is none.
+  poses.header.frame_id = "elsewhere";
+  path.publish(poses);
+  EXPECT_TRUE(probe_.sendUntil(last, isPassed));
+}
+
 TEST_F(CorrectorFaults, WrongModeIsRefused) {
   SetMode call;
   call.request.mode = "sideways";
@@ -291,7 +359,7 @@ TEST_F(CorrectorFaults, GainAndLimitsChangeLiveWithinTheStepLimit) {
   ASSERT_GT(full, 0.01);
   set("gain", 0.5);
   EXPECT_TRUE(probe_.sendUntil(kInside, [&](const CorrectionStatus& status) {
-    return std::abs(length(status) - 0.5 * full) < 1e-4;
+    return std::abs(length(status) - 0.5 * full) < 1e-4 && status.gain == 0.5;
   }));
   set("gain", 0.0);
   EXPECT_TRUE(probe_.sendUntil(
@@ -307,6 +375,19 @@ TEST_F(CorrectorFaults, GainAndLimitsChangeLiveWithinTheStepLimit) {
   EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
     return status.code == CorrectionStatus::CORRECTED;
   }));
+  // What is no number changes nothing, and does not stay: the next change is taken.
+  for (const char* const name : {"gain", "max_translation", "max_rotation"}) {
+    set(name, std::nan(""));
+    EXPECT_EQ(probe_.send(kInside).code, CorrectionStatus::CORRECTED);
+    EXPECT_EQ(probe_.statuses.back().gain, 1.0);
+    set("gain", 0.5);
+    EXPECT_TRUE(probe_.sendUntil(
+        kInside, [](const CorrectionStatus& status) { return status.gain == 0.5; }));
+    set("gain", 1.0);
+    EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {
+      return status.code == CorrectionStatus::CORRECTED && status.gain == 1.0;
+    }));
+  }
   expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
 }
 
@@ -419,6 +500,11 @@ TEST_F(CrtkCorrectorFaults, NothingIsCorrectedUnlessTheRobotIsEnabledAndHomed) {
     return status.message.find("not enabled and homed") != std::string::npos;
   }));
   EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
+  // It was homed: a model from before may be off.
+  EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
+    return status.message.find("homed after the model was trained") != std::string::npos;
+  }));
+  EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
   // A robot that says nothing any more is not known to be ready.
   EXPECT_TRUE(probe_.until([&] { return passed(probe_.send(probe_.message(kInBox, ""))); }));
   expectStepsWithin(probe_.statuses, kTranslationRate, kRotationRate, kMaxStepTime);
@@ -444,6 +530,34 @@ TEST_F(CrtkCorrectorFaults, CorrectionIsReducedToTheStepTheRobotTakes) {
     return (poseFromMsg(status.command).p - tool.p).norm() < 0.020 + 1e-9 &&
            (status.limits & CorrectionStatus::PLANNER_BEYOND) != 0;
   }));
+}
+
+TEST_F(CrtkCorrectorFaults, MeasuredPosesWithoutAFreshStampAreNotBelieved) {
+  // The tool is said to be 10 mm behind the planner, by poses that say nothing: the command is then
+  // not within the robot's step of there, and diagnostics say by what the tool is known.
+  ASSERT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
+  const Pose command = poseFromMsg(probe_.statuses.back().command);
+  Pose tool = kInBox;
+  tool.p -= 0.010 * (command.p - kInBox.p).normalized();
+  for (const double age : {0.0, 5.0, -30.0}) {
+    geometry_msgs::TransformStamped measured = probe_.message(tool, "");
+    measured.header.stamp -= ros::Duration(age);
+    if (age == 0.0) measured.header.stamp = ros::Time(0);
+    probe_.diagnostics.clear();
+    EXPECT_TRUE(probe_.until([&] {
+      state_.publish(operatingState("ENABLED", true));
+      measured_.publish(measured);
+      const CorrectionStatus status = probe_.send(probe_.message(kInBox, ""));
+      EXPECT_LT((poseFromMsg(status.command).p - command.p).norm(), 1e-3) << age;
+      for (const auto& said : probe_.diagnostics)
+        if (said.level == diagnostic_msgs::DiagnosticStatus::WARN &&
+            said.message.find("says where the tool is") != std::string::npos)
+          return true;
+      return false;
+    })) << age;
+  }
 }
 
 TEST_F(CrtkCorrectorFaults, CorrectionIsReducedToTheTurnTheRobotTakes) {
@@ -490,6 +604,9 @@ TEST(PickyCorrectorFaults, ModelOfAnotherArmOrToolIsRefused) {
   mine.tool = "needle_driver";
   probe.publishModel(mine);
   EXPECT_TRUE(refused("needle_driver"));
+  mine.tool.clear();
+  probe.publishModel(mine);
+  EXPECT_TRUE(refused("does not say for which tool"));
   EXPECT_EQ(probe.send(kInside).code, CorrectionStatus::PASSED_NO_MODEL);
   mine.tool = "grasper_8mm";
   probe.publishModel(mine);

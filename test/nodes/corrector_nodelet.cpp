@@ -42,6 +42,16 @@ TEST(CorrectorNodelet, CorrectsAndHandsOnWithoutACopy) {
   EXPECT_TRUE(probe.sendUntil(kInside, [](const CorrectionStatus& status) {
     return status.code == CorrectionStatus::CORRECTED;
   }));
+  // A second publisher in the same process is the same node to the master.
+  {
+    ros::Publisher second = nh.advertise<geometry_msgs::PoseStamped>("servo_cp", 1);
+    EXPECT_TRUE(probe.sendUntil(kInside, [](const CorrectionStatus& status) {
+      return status.code == CorrectionStatus::PASSED_OTHER_PUBLISHER;
+    }));
+  }
+  EXPECT_TRUE(probe.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::CORRECTED;
+  }));
   const auto sent = send();
   ASSERT_FALSE(received.empty());
   EXPECT_NE(received.front().get(), sent.get());

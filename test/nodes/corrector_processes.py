@@ -37,9 +37,11 @@ os.environ["ROS_LOG_DIR"] = str(FOLDER / "log")
 import rosbag  # noqa: E402 pylint: disable=wrong-import-position
 import rospy  # noqa: E402 pylint: disable=wrong-import-position
 import rosunit  # noqa: E402 pylint: disable=wrong-import-position
+from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402 pylint: disable=wrong-import-position
 from geometry_msgs.msg import PoseStamped  # noqa: E402 pylint: disable=wrong-import-position
 
-from raven_correction.msg import CorrectionModel, CorrectionStatus  # noqa: E402 pylint: disable=wrong-import-position
+from raven_correction.msg import CorrectionStatus  # noqa: E402 pylint: disable=wrong-import-position
+from rigid_model import rigid_model  # noqa: E402 pylint: disable=wrong-import-position
 
 
 def until(condition, limit=LIMIT):
@@ -70,18 +72,9 @@ def kill(process, how=signal.SIGKILL):
     process.wait(LIMIT)
 
 
-def rigid_model():
-    model = CorrectionModel()
-    model.header.frame_id = "0_link"
-    model.format = CorrectionModel.FORMAT
-    model.id, model.units = "rigid", "m rad"
-    model.rigid.position.x, model.rigid.orientation.w = 0.01, 1.0
-    model.mean_orientation.w = 1.0
-    model.velocity, model.velocity_window, model.max_gap = "none", 0.1, 0.15
-    for corner, value in ((model.workspace_min, -1.0), (model.workspace_max, 1.0)):
-        corner.x = corner.y = corner.z = value
-    model.workspace_margin, model.fade_start, model.fade_end = 0.05, 0.8, 0.95
-    return model
+def shift_model(shift=0.01, name="rigid"):
+    """Moves every pose along x. @param shift [m]"""
+    return rigid_model(name, (shift, 0.0, 0.0))
 
 
 def write_model(name, model):
@@ -95,7 +88,7 @@ class Planner:
     """Streams a pose at 100 Hz from a thread and keeps what comes back."""
 
     def __init__(self):
-        self.statuses, self.commands = [], []
+        self.sent, self.statuses, self.commands = [], [], []
         self.publisher = rospy.Publisher("/arm/desired/servo_cp", PoseStamped, queue_size=10)
         self.subscribers = [
             rospy.Subscriber("/arm/correction/status", CorrectionStatus, self.statuses.append),
@@ -112,6 +105,7 @@ class Planner:
             message.header.stamp = rospy.Time.now()
             message.pose.position.y += 1e-5
             self.publisher.publish(message)
+            self.sent.append(message.header.stamp)
             time.sleep(0.01)
 
     def stop(self):
@@ -126,6 +120,13 @@ class Planner:
         before = len(self.statuses)
         return until(lambda: any(status.code == CorrectionStatus.RIGID_ONLY
                                  for status in self.statuses[before:]))
+
+    def answered(self, first):
+        """Every pose that was sent after the one of status `first` has a command and a status by now."""
+        begin = self.statuses[first].header.stamp
+        sent = [stamp for stamp in list(self.sent) if stamp > begin]
+        return until(lambda: all(set(sent) <= {message.header.stamp for message in list(messages)}
+                                 for messages in (self.statuses, self.commands)))
 
     def largest_step(self):
         """Of successive commands along the axis that the model corrects [m]."""
@@ -164,7 +165,7 @@ class CorrectorProcesses(unittest.TestCase):
         return planner
 
     def test_restart_in_the_middle_of_a_motion(self):
-        model = str(write_model("restart.bag", rigid_model()))
+        model = str(write_model("restart.bag", shift_model(0.05)))
         corrector = self.start("corrector", enabled=True, model=model)
         planner = self.planner()
         self.assertTrue(planner.corrects())
@@ -177,7 +178,11 @@ class CorrectorProcesses(unittest.TestCase):
         self.assertTrue(until(lambda: len(planner.commands) > commands + 20))
         stamps = [command.header.stamp for command in planner.commands[commands:]]
         self.assertEqual(stamps, sorted(set(stamps)))
-        # After a restart the correction comes in anew, at its limited rate.
+        # Across the restart the command steps by no more than the correction that is not known any more,
+        # and the correction comes in anew at its limited rate.
+        x = [command.pose.position.x for command in planner.commands]
+        self.assertAlmostEqual(x[commands - 1], 0.05, delta=1e-9)
+        self.assertLessEqual(abs(x[commands] - x[commands - 1]), 0.05 + 1e-9)
         after = [command.pose.position.x for command in planner.commands[commands:]]
         self.assertLessEqual(max(abs(b - a) for a, b in zip(after, after[1:])), 0.15 * 0.1 + 1e-9)
         # Without ~enabled a corrector that is started anew passes poses through.
@@ -188,7 +193,7 @@ class CorrectorProcesses(unittest.TestCase):
                                           for status in planner.statuses[before:])))
 
     def test_trainer_killed(self):
-        model = str(write_model("trainer.bag", rigid_model()))
+        model = str(write_model("trainer.bag", shift_model()))
         trainer = self.start("trainer", model=model, data_directory=str(FOLDER),
                              model_directory=str(FOLDER))
         corrector = self.start("corrector", enabled=True)
@@ -198,11 +203,11 @@ class CorrectorProcesses(unittest.TestCase):
         kill(trainer)
         self.assertTrue(until(lambda: len(planner.statuses) > first + 300))
         # Every pose goes on being corrected by the same model.
+        self.assertTrue(planner.answered(first))
         self.assertEqual({(status.code, status.model) for status in planner.statuses[first:]},
                          {(CorrectionStatus.RIGID_ONLY, "rigid")})
         # A trainer that comes back is heard.
-        changed = rigid_model()
-        changed.id = "after"
+        changed = shift_model(name="after")
         self.start("trainer", model=str(write_model("after.bag", changed)), data_directory=str(FOLDER),
                    model_directory=str(FOLDER))
         self.assertTrue(until(lambda: planner.statuses[-1].model == "after"))
@@ -210,28 +215,35 @@ class CorrectorProcesses(unittest.TestCase):
 
     def test_master_restarted(self):
         corrector = self.start("corrector", enabled=True,
-                               model=str(write_model("master.bag", rigid_model())))
+                               model=str(write_model("master.bag", shift_model())))
         planner = self.planner()
         self.assertTrue(planner.corrects())
-        kill(type(self).master)
-        first = len(planner.statuses)
-        self.assertTrue(until(lambda: len(planner.statuses) > first + 200))
-        type(self).master = start_master()
-        # The corrector tells the new master of itself, so that others find its topics and services.
         proxy = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
 
         def known():
-            publishers, subscribers, services = proxy.getSystemState("/test")[2]
-            return all("/arm/corrector" in dict(kind).get(name, []) for kind, name in (
-                (publishers, "/arm/servo_cp"), (publishers, "/arm/correction/status"),
-                (subscribers, "/arm/desired/servo_cp"), (subscribers, "/arm/correction/model"),
-                (services, "/arm/corrector/enable"), (services, "/arm/corrector/set_mode")))
+            return [sorted(name for name, nodes in kind if "/arm/corrector" in nodes)
+                    for kind in proxy.getSystemState("/test")[2]]
 
-        self.assertTrue(until(known))
+        before = known()
+        said = []
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, said.append)
+        self.addCleanup(diagnostics.unregister)
+        self.assertTrue(until(lambda: said))
+        kill(type(self).master)
+        first = len(planner.statuses)
+        self.assertTrue(until(lambda: len(planner.statuses) > first + 200))
+        # Diagnostics say that nobody watches the output any more.
+        self.assertTrue(until(lambda: any("the master has not answered" in status.message
+                                          for array in said for status in array.status)))
+        type(self).master = start_master()
+        # The corrector tells the new master of itself, so that others find its topics and services.
+        # All that a corrector which is started at a new master tells it.
+        self.assertTrue(until(lambda: known() == before), (known(), before))
         answer = subprocess.run(["rosservice", "call", "/arm/corrector/enable", "data: true"],
                                 capture_output=True, text=True, check=False, timeout=60)
         self.assertIn("success: True", answer.stdout, answer.stderr)
         self.assertEqual({status.code for status in planner.statuses[first:]}, {CorrectionStatus.RIGID_ONLY})
+        self.assertTrue(planner.answered(first))
         self.assertLess(planner.largest_step(), 0.015 + 1e-9)
         self.assertIsNone(corrector.poll())
 
@@ -246,7 +258,7 @@ class CorrectorProcesses(unittest.TestCase):
         self.expect_no_start(FOLDER / "nowhere.bag", "no such file")
 
     def test_truncated_model_file(self):
-        path = write_model("cut.bag", rigid_model())
+        path = write_model("cut.bag", shift_model())
         path.write_bytes(path.read_bytes()[:path.stat().st_size // 2])
         self.expect_no_start(path, "not a complete bag")
         path.write_bytes(b"")
@@ -255,7 +267,7 @@ class CorrectorProcesses(unittest.TestCase):
         self.expect_no_start(path, "not a complete bag")
 
     def test_model_file_of_another_version(self):
-        model = rigid_model()
+        model = shift_model()
         model.format += 1
         path = write_model("version.bag", model)
         corrector = self.start("corrector", model=str(path))

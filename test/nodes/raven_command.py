@@ -14,10 +14,12 @@ import genpy.dynamic
 import rosbag
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Pose
 
 from raven_correction.msg import CorrectionModel, CorrectionStatus, RecorderStatus
 from raven_correction.srv import SetMode, StartRecording, StopRecording
+from rigid_model import rigid_model
 
 # raven_2_msgs/msg of rll/raven_2: facts of its interface, written down independently of the adapter.
 DEFINITIONS = [
@@ -103,25 +105,8 @@ PASSED_OFF, NOT_ABSOLUTE, INACTIVE = (CorrectionStatus.PASSED_OFF, CorrectionSta
                                       CorrectionStatus.PASSED_INACTIVE)
 
 
-def rigid_model(arm):
-    """A model that is its rigid step alone, everywhere within a metre."""
-    model = CorrectionModel()
-    model.header.frame_id = "0_link"
-    model.format = CorrectionModel.FORMAT
-    model.id = f"rigid_{arm}"
-    model.arm = {"L": "raven2_left", "R": "raven2_right"}[arm]
-    model.units = "m rad"
-    model.rigid.position.x, model.rigid.position.y, model.rigid.position.z = SHIFT[arm]
-    model.rigid.orientation.z, model.rigid.orientation.w = math.sin(TURN / 2), math.cos(TURN / 2)
-    model.mean_orientation.w = 1.0
-    model.velocity = "none"
-    model.velocity_window = 0.1
-    model.max_gap = 0.15
-    for corner, value in ((model.workspace_min, -1.0), (model.workspace_max, 1.0)):
-        corner.x = corner.y = corner.z = value
-    model.workspace_margin = 0.05
-    model.fade_start, model.fade_end = 0.8, 0.95
-    return model
+def model_of(arm):
+    return rigid_model(f"rigid_{arm}", SHIFT[arm], TURN, {"L": "raven2_left", "R": "raven2_right"}[arm])
 
 
 def random_arm(generator, option=ABSOLUTE, active=True):
@@ -208,7 +193,7 @@ class RavenCommandTest(unittest.TestCase):
                              ("status", arm), queue_size=1000)
             cls.models[arm] = rospy.Publisher(f"/raven/{side}/correction/model", CorrectionModel,
                                               queue_size=1, latch=True)
-            cls.models[arm].publish(rigid_model(arm))
+            cls.models[arm].publish(model_of(arm))
         rospy.wait_for_service("/raven/corrector/set_mode", 30)
         cls.set_mode = staticmethod(rospy.ServiceProxy("/raven/corrector/set_mode", SetMode))
         cls.wait(lambda: cls.publisher.get_num_connections() >= 1)
@@ -404,7 +389,14 @@ class RavenCommandTest(unittest.TestCase):
         self.expect_only(message, sent, got, [("R", "position"), ("R", "orientation")])
 
     def test_model_of_the_other_arm_is_refused(self):
-        self.models["L"].publish(rigid_model("R"))
+        said = []
+        diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, said.append)
+        self.addCleanup(diagnostics.unregister)
+        self.models["L"].publish(model_of("R"))
+        # It has arrived when diagnostics say that it was refused.
+        self.assertTrue(self.wait(lambda: any(
+            status.name.endswith("correction left") and "a model was refused" in status.message
+            for array in said for status in array.status)))
         for _ in range(20):
             self.exchange(command(self.arms()))
             self.assertEqual(self.statuses["L"][-1].model, "rigid_L")

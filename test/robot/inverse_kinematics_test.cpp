@@ -133,6 +133,24 @@ TEST(InverseKinematics, SingularitiesHaveAStatus) {
   }
 }
 
+// The tool roll of a Raven has 364 degrees: a pose beyond its end is inside it a turn away.
+TEST(InverseKinematics, TheNearestOfAllMayLieOutsideTheLimits) {
+  const KinematicChain chain = shippedRobot("raven2_left");
+  IkOptions options;
+  options.inside_first = false;
+  const int roll = chain.indexOf("tool_roll");
+  JointVector q = chain.home(), seed = chain.home();
+  q(roll) = chain.upper()(roll) + 0.05;
+  seed(roll) = chain.upper()(roll) - 0.05;
+  const Pose X = chain.forward(q);
+  const IkResult nearest = InverseKinematics(chain, options).solve(X, seed);
+  EXPECT_EQ(nearest.status, IkStatus::kOutsideLimits);
+  EXPECT_LT((nearest.joints - q).norm(), 1e-9);
+  const IkResult inside = InverseKinematics(chain).solve(X, seed);
+  EXPECT_EQ(inside.status, IkStatus::kOk);
+  EXPECT_NEAR(inside.joints(roll), q(roll) - 2.0 * 3.14159265358979323846, 1e-9);
+}
+
 TEST(InverseKinematics, InvalidInputIsRefused) {
   const KinematicChain chain = shippedRobot("raven2_left");
   const InverseKinematics ik(chain);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When a command acts, and which message is none.
+// When a command acts.
 #include "raven_correction/ros/arrival.h"
 
 #include <gtest/gtest.h>
@@ -27,14 +27,6 @@ TEST(Arrival, NeverRunsBackwardsUnlessTheClockDoes) {
   EXPECT_EQ(arrival.actingTime(50.0, 50.0), 50.0) << "the clock was set back";
   arrival.reset();
   EXPECT_EQ(arrival.actingTime(49.9, 49.8), 49.8) << "a new start knows no last one";
-}
-
-TEST(Arrival, TheFirstMessageOfEachLatchedPublisherIsAReplay) {
-  Arrival arrival(0.25);
-  EXPECT_FALSE(arrival.isReplay("/planner", false));
-  EXPECT_TRUE(arrival.isReplay("/old", true));
-  EXPECT_FALSE(arrival.isReplay("/old", true));
-  EXPECT_TRUE(arrival.isReplay("/older", true));
 }
 
 TEST(Arrival, RefusesAToleranceThatIsNone) {

@@ -53,14 +53,13 @@ TEST(CommandGate, TakesItsFrameOnly) {
   EXPECT_EQ(judge(gate, command), CommandVerdict::kTaken);
 }
 
-TEST(CommandGate, DropsTheReplayOfALatchedPublisherOnce) {
+TEST(CommandGate, DropsTheReplayOfALatchedPublisher) {
   CommandGate gate(openGate());
   ArrivedCommand command = commandAt(kNow);
-  command.latched = true;
+  command.replay = true;
   EXPECT_EQ(judge(gate, command), CommandVerdict::kLatched);
+  command.replay = false;
   EXPECT_EQ(judge(gate, command), CommandVerdict::kTaken);
-  command.publisher = "/another";
-  EXPECT_EQ(judge(gate, command), CommandVerdict::kLatched);
 }
 
 TEST(CommandGate, DropsWhatIsNotAPose) {

@@ -143,6 +143,15 @@ TEST(OverlayMarkers, SayByHowMuchErrorsAreExaggerated) {
 }
 
 TEST(OverlayMarkers, NameEveryCode) {
+  std::set<std::string> names;
+  for (int code = 0; code <= CorrectionStatus::REFUSED_UNREACHABLE; ++code) {
+    if (code > CorrectionStatus::PASSED_OTHER_PUBLISHER &&
+        code < CorrectionStatus::REFUSED_NOT_FINITE)
+      continue;  // no code of ours
+    const std::string name = correctionCodeName(static_cast<std::uint8_t>(code));
+    EXPECT_NE(name, "unknown") << code;
+    EXPECT_TRUE(names.insert(name).second) << name;
+  }
   EXPECT_EQ(correctionCodeName(CorrectionStatus::CORRECTED_FADED), "corrected faded");
   EXPECT_EQ(correctionCodeName(CorrectionStatus::PASSED_OTHER_PUBLISHER), "passed other publisher");
   EXPECT_EQ(correctionCodeName(CorrectionStatus::REFUSED_STALE), "REFUSED stale");

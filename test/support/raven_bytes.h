@@ -22,8 +22,9 @@ class Bytes {
     bytes_.insert(bytes_.end(), text.begin(), text.end());
     return *this;
   }
-  Bytes& header(const std::string& frame) {
-    return put(std::uint32_t{7}).put(std::uint32_t{100}).put(std::uint32_t{500000000}).put(frame);
+  Bytes& header(const std::string& frame, std::uint32_t seconds = 100,
+                std::uint32_t nanoseconds = 500000000) {
+    return put(std::uint32_t{7}).put(seconds).put(nanoseconds).put(frame);
   }
   const std::vector<std::uint8_t>& get() const { return bytes_; }
 

@@ -18,19 +18,22 @@ inline Eigen::Matrix<double, 6, 1> fieldAt(const Pose& after_rigid) {
   return y;
 }
 
-/// Trained on poses within 5 cm of the origin, orientations within 0.3 rad of the identity.
-inline Correction simpleModel(VelocityKind velocity = VelocityKind::kCausal) {
+/// Trained on poses within 5 cm of `centre`, orientations within 0.3 rad of it.
+inline Correction simpleModel(VelocityKind velocity = VelocityKind::kCausal,
+                              const Pose& centre = Pose(),
+                              const Pose& rigid = {{0.01, -0.005, 0.008},
+                                                   expRotation({0.05, -0.02, 0.1})}) {
   Correction model;
   model.id = "simple";
   model.version = "test";
   model.frame = "0_link";
   model.trained_at = 1000.0;
   model.delay = 0.1;
-  model.rigid = {{0.01, -0.005, 0.008}, expRotation({0.05, -0.02, 0.1})};
+  model.rigid = rigid;
   model.motion.velocity = velocity;
-  model.trust.workspace_min.setConstant(-0.05);
-  model.trust.workspace_max.setConstant(0.05);
-  model.mean_orientation = model.rigid.q;
+  model.trust.workspace_min = centre.p.array() - 0.05;
+  model.trust.workspace_max = centre.p.array() + 0.05;
+  model.mean_orientation = model.rigid.q * centre.q;
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(-0.05, 0.05);
   const Eigen::Index n = 200, d = static_cast<Eigen::Index>(featureCount(model.motion));
@@ -38,8 +41,9 @@ inline Correction simpleModel(VelocityKind velocity = VelocityKind::kCausal) {
   Eigen::VectorXd row(d);
   for (Eigen::Index i = 0; i < n; ++i) {
     Motion motion;
-    motion.pose = {{uniform(random), uniform(random), uniform(random)},
-                   expRotation(randomVector(random, 0.1))};
+    motion.pose.p = {uniform(random), uniform(random), uniform(random)};
+    motion.pose.p += centre.p;
+    motion.pose.q = expRotation(randomVector(random, 0.1)) * centre.q;
     computeFeatures(motion, model.rigid, model.mean_orientation, twistCount(model.motion),
                     row.data());
     x.row(i) = row.transpose();

@@ -11,61 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/correction/corrector_code.h"
 #include "raven_correction/correction/motion.h"
 #include "raven_correction/correction/predictor.h"
 #include "raven_correction/correction/robot_limits.h"
 
 namespace raven_correction {
-
-/// Numbers as in CorrectionStatus.msg. Below 16 the command is to be sent, from 16 on it is not.
-enum class CorrectorCode {
-  kCorrected = 0,
-  kCorrectedFaded = 1,
-  kCorrectedLimited = 2,
-  kRigidOnly = 3,
-  kPassedOff = 4,
-  kPassedNoModel = 5,
-  kPassedOutside = 6,
-  kPassedModelFault = 7,
-  kPassedBetweenEndpoints = 8,
-  kPassedNotAbsolute = 9,
-  kPassedInactive = 10,
-  kPassedRobotNotReady = 11,
-  kPassedOtherPublisher = 12,
-  kRefusedNotFinite = 16,
-  kRefusedNotUnit = 17,
-  kRefusedFrame = 18,
-  kRefusedZeroStamp = 19,
-  kRefusedStale = 20,
-  kRefusedFuture = 21,
-  kRefusedTimeBackwards = 22,
-  kRefusedLatched = 23,
-  kRefusedMalformed = 24,
-  kRefusedWithOtherArm = 25,
-  kRefusedUnreachable = 26,
-};
-constexpr bool isRefused(CorrectorCode code) noexcept { return static_cast<int>(code) >= 16; }
-/// "corrected", "refused_stale", ...
-const char* correctorCodeName(CorrectorCode code) noexcept;
-
-enum class CorrectorMode { kOff, kRigid, kFull, kEndpoint };
-/// "off", "rigid", "full", "endpoint".
-/// @throws InvalidInput  for any other name; the text lists these
-CorrectorMode correctorModeFromName(const std::string& name);
-const char* correctorModeName(CorrectorMode mode) noexcept;
-
-/// Why nothing is corrected although the mode says so.
-enum class CorrectionHold { kNone, kRobotNotReady, kOtherPublisher };
-
-/// What a correction was shortened by; bits as in CorrectionStatus.msg.
-enum CorrectorLimit : std::uint8_t {
-  kLimitSize = 1,       ///< max_translation, max_rotation
-  kLimitRate = 2,       ///< max_translation_rate, max_rotation_rate
-  kLimitBox = 4,        ///< box_min, box_max
-  kLimitRobotStep = 8,  ///< robot.max_step, robot.max_turn
-  kLimitReach = 16,     ///< joints of the robot
-  kPlannerBeyond = 32,  ///< the desired pose itself is further from the tool than the robot takes
-};
 
 struct CorrectorLimits {
   double max_translation = 0.06;       ///< longest correction, > 0 [m]
@@ -79,19 +30,23 @@ struct CorrectorLimits {
   /// is; all zero: no box. [m]
   Eigen::Vector3d box_min = Eigen::Vector3d::Zero();
   Eigen::Vector3d box_max = Eigen::Vector3d::Zero();
-  RobotLimits robot;              ///< what the native controller takes
-  double max_measured_age = 0.1;  ///< an older pose of the tool is not used, > 0 [s]
+  RobotLimits robot;  ///< what the native controller takes
+  /// A pose of the tool whose stamp is further from the clock is not used, > 0 [s]
+  double max_measured_age = 0.1;
 };
 
 struct CorrectorOutput {
   CorrectorCode code = CorrectorCode::kRefusedNotFinite;
-  Pose command;                                           ///< valid unless refused
+  CorrectorMode mode = CorrectorMode::kOff;  ///< in which it was answered
+  double gain = 1.0;                         ///< share of the correction that was asked for [-]
+  Pose command;                              ///< valid unless refused
   Eigen::Vector3d sd_position = Eigen::Vector3d::Zero();  ///< see Prediction [m]
   Eigen::Vector3d sd_rotation = Eigen::Vector3d::Zero();  ///< see Prediction [rad]
-  double h_share = 0.0;                                   ///< share of H in the command
-  std::uint8_t limits = 0;                                ///< bits of CorrectorLimit
-  double distance = 0.0;  ///< of the desired pose from the box of the training poses [m]
+  double h_share = 0.0;     ///< share of H in what the model says, before gain and limits
+  std::uint8_t limits = 0;  ///< bits of CorrectorLimit
+  double distance = 0.0;    ///< of the desired pose from the box of the training poses [m]
   const std::string* model = nullptr;  ///< id of the model used, or null
+  ToolKnownBy tool_known_by = ToolKnownBy::kNotAsked;
 };
 
 /// One corrector serves one stream of desired poses from one thread; setModel() and setMode()
@@ -102,13 +57,20 @@ class Corrector {
   /// @throws InvalidInput  a limit out of its range
   explicit Corrector(const CorrectorLimits& limits);
 
-  /// Takes effect with the next pose; the limit on the rate of the correction is the blend.
+  /// Takes effect with the next pose; the limit on the rate of the correction is the blend. It
+  /// knows the motion so far. Nothing happens if the model in use has the same id: trainers that
+  /// start again repeat themselves.
   /// @throws InvalidInput  see Predictor
   void setModel(const Correction& model);
   void setMode(CorrectorMode mode) noexcept { mode_.store(mode, std::memory_order_relaxed); }
   CorrectorMode mode() const noexcept { return mode_.load(std::memory_order_relaxed); }
-  /// Takes the correction back, at its limited rate, for as long as there is a reason.
-  void setHold(CorrectionHold hold) noexcept { hold_.store(hold, std::memory_order_relaxed); }
+  /// Takes the correction back, at its limited rate, for as long as there is a reason, also while
+  /// the planner is silent: a pose that comes after a silence finds it as if poses had gone on
+  /// coming.
+  void setHold(CorrectionHold hold) noexcept {
+    hold_.store(hold);
+    if (hold != CorrectionHold::kNone) held_.store(true);
+  }
   CorrectionHold hold() const noexcept { return hold_.load(std::memory_order_relaxed); }
   /// Takes effect with the next pose, at the limited rate.
   /// @param gain  share of the correction that is applied, 0 to 1 [-]
@@ -117,12 +79,15 @@ class Corrector {
   void setTuning(double gain, double max_translation, double max_rotation);
 
   /// Where the tool is by its encoders, in the base frame, for robot.max_step and robot.max_turn.
-  /// Of the live thread; ignored unless it is a pose.
-  /// @param now  the clock [s]
-  void setMeasured(double now, const Pose& measured) noexcept;
+  /// Of the live thread. Ignored unless it is a pose with a stamp that is newer than the last one,
+  /// not 0 (CRTK: not valid) and not ahead of the clock by more than max_measured_age.
+  /// @param stamp  when it was there [s]
+  /// @param now    the clock [s]
+  void setMeasured(double stamp, double now, const Pose& measured) noexcept;
 
   /// The code with which correct() would refuse the pose for what it is, not counting
   /// kRefusedUnreachable; nothing if it would not. Changes no state.
+  /// @param stamp, now, desired  as for correct()
   std::optional<CorrectorCode> fault(double stamp, double now, const Pose& desired) const noexcept;
 
   /// No allocation, lock, log or throw. With T the correction as a motion of the tool (translation
@@ -135,7 +100,8 @@ class Corrector {
   ///   5. shorten the T in force so that the command is within robot.max_step and robot.max_turn of
   ///      the tool (or of the last command, where the tool is not known), and in the box; or no
   ///      further out than the desired pose is
-  ///   6. refuse what the joints do not reach even so: T is then taken back pose by pose
+  ///   6. refuse what the joints do not reach even so. T goes on changing pose by pose: where they
+  ///      do not reach the desired pose either it is taken back, and then that pose passes
   /// A refused pose changes no state, except in step 6. Unless the code is kCorrected*, kRigidOnly
   /// or kPassedOutside, and once a former correction has been taken back in steps, the command
   /// equals the desired pose bit for bit.
@@ -143,9 +109,26 @@ class Corrector {
   /// @param now      the clock [s]
   /// @param desired  in the base frame
   /// @param endpoint  the pose is the first or last of a path (counts in mode endpoint only)
-  CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint) noexcept;
-  /// A pose of this stream was forwarded without being corrected: a later one must be newer.
-  void skip(double stamp) noexcept;
+  CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint) noexcept {
+    const CorrectorOutput output = prepare(stamp, now, desired, endpoint);
+    commit();
+    return output;
+  }
+  /// What correct() would answer; nothing of it counts unless commit() follows. For a message that
+  /// moves several arms and is sent whole or not at all.
+  CorrectorOutput prepare(double stamp, double now, const Pose& desired, bool endpoint) noexcept;
+  /// The command of the last prepare() was sent; or it was kRefusedUnreachable, and the correction
+  /// is taken back by a step. Nothing happens after any other refusal.
+  void commit() noexcept;
+  /// A command that cannot be corrected, since of position and orientation one is an increment or
+  /// is not known. Of a part that is absolute, the correction in force is taken back at its limited
+  /// rate; until then the command holds the rest of it. An increment is never changed, nor the
+  /// correction of that part: the controller adds the one to what holds the other. Faults are the
+  /// caller's business; like prepare(), it counts with commit().
+  /// @param desired  what is not absolute may hold anything, and is in the command as it is
+  /// @param position, orientation  this part is absolute
+  CorrectorOutput prepareParts(double stamp, double now, const Pose& desired, bool position,
+                               bool orientation) noexcept;
 
   /// Forgets the stream (after a jump of the clock); the correction in force goes on from where it
   /// is.
@@ -160,28 +143,47 @@ class Corrector {
     MotionEstimator estimator;
   };
 
-  CorrectorOutput aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted) noexcept;
+  CorrectorOutput answer() const noexcept;
+  void aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted,
+           CorrectorOutput& output) noexcept;
 
-  bool keepInBox(const Eigen::Vector3d& desired, Eigen::Vector3d& translation) const noexcept;
-  std::uint8_t keepNearTool(double now, const Pose& desired) noexcept;
+  void discard() noexcept;
+  void follow(MotionEstimator& follower, double stamp, const Pose& desired) noexcept;
+  void takeBackAfterHold(double stamp) noexcept;
+  double stepTime(double stamp) const noexcept;
+  void keepWithinLimits(double now, Pose desired, bool position, bool orientation,
+                        CorrectorOutput& output) noexcept;
 
   CorrectorLimits limits_;
   bool has_box_ = false;
   RobotReach reach_;
   std::atomic<CorrectorMode> mode_{CorrectorMode::kOff};
   std::atomic<CorrectionHold> hold_{CorrectionHold::kNone};
+  std::atomic<bool> held_{false};  // there was a hold since the last pose
   std::atomic<double> gain_{1.0}, max_translation_, max_rotation_;
   std::vector<std::unique_ptr<Live>> models_;  // of the thread that sets models
   std::atomic<Live*> live_{nullptr};
 
+  /// What poses change.
+  struct Stream {
+    bool started = false;
+    double last_stamp = 0.0;
+    Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< correction in force, base frame
+    Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     ///< rotation vector, tool frame
+    Pose last_command;
+    bool commanded = false;  ///< last_command is one
+  };
+
   // Of the live thread.
-  bool started_ = false;
-  double last_stamp_ = 0.0;
-  Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();  // correction in force, base frame
-  Eigen::Vector3d rotation_ = Eigen::Vector3d::Zero();     // rotation vector, tool frame
-  Pose measured_, last_command_;
+  Stream stream_;                                // of the poses that count
+  Stream next_;                                  // after commit()
+  bool prepared_ = false;                        // next_ is valid
+  bool held_seen_ = false;                       // by next_
+  MotionEstimator* followed_ = nullptr;          // has the pose of next_, too; null: none has
+  MotionEstimator before_models_;                // follows the motion until there is a model
+  MotionEstimator* follower_ = &before_models_;  // who follows it now
+  Pose measured_;
   double measured_at_ = -std::numeric_limits<double>::infinity();
-  bool commanded_ = false;  // last_command_ is one
 };
 
 }  // namespace raven_correction

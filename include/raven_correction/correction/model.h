@@ -29,6 +29,9 @@ struct TrustRegion {
   double fade_end = 0.95;
 };
 
+/// Of a position from the workspace box; 0 inside. [m]
+double distanceFromWorkspace(const Eigen::Vector3d& p, const TrustRegion& trust) noexcept;
+
 /// Conventions (design, section 5): a desired pose x = (p, R) goes to x_G = G x = (p_G, R_G); the
 /// process learns y = (dp, r) with command position p_G + dp (base frame) and orientation
 /// R_G exp(r) (frame of the tool after the rigid step). With physics, the command that the
@@ -75,15 +78,22 @@ struct Correction {
 std::size_t featureCount(const MotionOptions& options) noexcept;
 
 /// Writes featureCount() numbers. No allocation.
-/// @param motion  before G
+/// @param motion  before G, in base [m, rad, s]
+/// @param rigid   G
+/// @param mean_orientation  after G
+/// @param twists  of the motion that count
+/// @param features  x y z [m], rotation vector in the frame of the mean orientation [rad], then for
+///                  each twist v [m/s] and w [rad/s] in base
 void computeFeatures(const Motion& motion, const Pose& rigid,
                      const Eigen::Quaterniond& mean_orientation, std::size_t twists,
                      double* features) noexcept;
 
-/// y = (dp, r) that turns x_G (or what physics says) into the command.
+/// y = (dp, r) that turns x_G (or what physics says) into the command: x y z in base [m], rotation
+/// vector in the frame of the tool at x_G [rad].
 Eigen::Matrix<double, 6, 1> correctionBetween(const Pose& after_rigid,
                                               const Pose& command) noexcept;
-/// The command that y = (dp, r) makes of x_G (or of what physics says).
+/// The command that y = (dp, r), as from correctionBetween(), makes of x_G (or of what physics
+/// says), in base.
 Pose applyCorrection(const Pose& after_rigid, const Eigen::Matrix<double, 6, 1>& y) noexcept;
 
 }  // namespace raven_correction

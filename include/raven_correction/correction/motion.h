@@ -65,8 +65,13 @@ class MotionEstimator {
     kNotUnit,    ///< quaternion not of unit length: refused, nothing changed
   };
   Outcome push(double stamp, const Pose& pose) noexcept;
+  /// Takes back the last push(), which was accepted: as if that sample had never come.
+  void undo() noexcept;
   /// Of the last accepted sample.
   const Motion& motion() const noexcept { return motion_; }
+  /// Goes on with the motion that another one has followed, as far back as it remembers and
+  /// max_gap allows; motion() is of the next sample.
+  void takeOver(const MotionEstimator& other) noexcept;
   /// Forgets everything: the next sample is the first of a motion.
   void reset() noexcept;
 
@@ -82,6 +87,13 @@ class MotionEstimator {
   double last_stamp_ = 0.0;
   bool started_ = false;
   Motion motion_;
+  struct Undo {  ///< what the last sample has overwritten
+    std::size_t count = 0, place = 0;
+    StampedPose replaced;
+    double last_stamp = 0.0;
+    bool started = false;
+    Motion motion;
+  } undo_;
 };
 
 /// The motions of all samples of a recorded stream; kCentral looks ahead within each motion.

@@ -33,6 +33,8 @@ struct IkOptions {
   /// Chains without a closed form: where no solution is found from the seed, look from elsewhere,
   /// too. It takes up to 32 times as long.
   bool search_elsewhere = true;
+  /// A solution inside the limits is taken before a nearer one outside. False: the nearest of all.
+  bool inside_first = true;
 };
 
 struct IkResult {
@@ -46,9 +48,9 @@ class InverseKinematics {
  public:
   explicit InverseKinematics(const KinematicChain& chain, const IkOptions& options = {});
 
-  /// The solution nearest to `seed`: inside the limits if there is one, else outside. Revolute
-  /// joints are taken modulo 2 pi at the turn nearest to the seed, as far as the limits allow.
-  /// About 2 us in closed form.
+  /// The solution nearest to `seed`: inside the limits if there is one, else outside
+  /// (IkOptions::inside_first). Revolute joints are taken modulo 2 pi at the turn nearest to the
+  /// seed, with inside_first as far as the limits allow. About 2 us in closed form.
   /// @param X_base_tool  where the tool shall be, in the chain's frame
   /// @param seed         joints now; one per row of the chain
   IkResult solve(const Pose& X_base_tool, const JointVector& seed) const noexcept;

@@ -24,7 +24,7 @@ enum class CommandVerdict {
   kTaken,
   kClipped,         ///< taken, but shortened to max_step
   kFirstDiscarded,  ///< the first command after the start of the controller
-  kLatched,         ///< first message of a latched publisher: it may be old
+  kLatched,         ///< replay of a latched publisher: it may be old
   kWrongFrame,      ///< empty or other than the base frame
   kNotFinite,
   kNotUnit,  ///< quaternion not of unit length
@@ -42,7 +42,7 @@ struct ArrivedCommand {
   StampedPose pose;       ///< stamp as sent, 0 when it was not set [s]
   std::string frame;      ///< frame_id as sent
   std::string publisher;  ///< name of the sending node
-  bool latched = false;   ///< the publisher latches
+  bool replay = false;    ///< of a latched publisher (LatchedReplay)
 };
 
 /// Not thread-safe.

@@ -23,7 +23,6 @@
 #include "raven_correction/correction/corrector.h"
 #include "raven_correction/ros/corrector_params.h"
 #include "raven_correction/ros/latency_histogram.h"
-#include "raven_correction/ros/master_watch.h"
 #include "raven_correction/ros/message_pool.h"
 #include "raven_correction/ros/pose_command.h"
 
@@ -33,19 +32,29 @@ class CorrectedArm {
  public:
   /// @param nh          the namespace of the node; topics are below it in that of the arm
   /// @param private_nh  of the node
-  /// @param live_queue  of the thread that handles poses
+  /// @param live_queue   of the thread that handles poses
+  /// @param model_queue  of the thread that takes models in, which may need seconds
   /// @throws InvalidInput  a file of the arm cannot be used
   CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                const CorrectorParams& params, const CorrectedArmParams& arm,
-               ros::CallbackQueueInterface& live_queue);
+               ros::CallbackQueueInterface& live_queue, ros::CallbackQueueInterface& model_queue);
 
   // --- of the live thread
   /// Why the request is refused, before anything is done about it.
+  /// @param stamp  of the message [s]
+  /// @param now    the ROS clock [s]
   std::optional<CorrectorCode> fault(const ArmRequest& request, double stamp,
                                      double now) const noexcept;
+  /// What becomes of a request; nothing of it counts unless commit() follows. The command holds, of
+  /// a part that was not asked for, what the request holds.
   /// @param request  without fault
-  CorrectorOutput answer(const ArmRequest& request, double stamp, double now) noexcept;
+  /// @param stamp, now  as for fault()
+  CorrectorOutput prepare(const ArmRequest& request, double stamp, double now) noexcept;
+  /// @param sent  the command of the last prepare() is sent; false: it is out of reach
+  void commit(bool sent) noexcept;
   /// Publishes and counts what became of a request.
+  /// @param stamp  of the message
+  /// @param compute_time  from arrival to publication, by the steady clock [s]
   void report(const ros::Time& stamp, const ArmRequest& request, const CorrectorOutput& output,
               double compute_time);
   /// Forgets the stream.
@@ -62,8 +71,10 @@ class CorrectedArm {
   CorrectorMode mode() const noexcept { return corrector_.mode(); }
   bool hasModel();
   /// The robot was homed: a model from before may be off.
+  /// @param now  Unix time, as in models [s]
   void noteHoming(double now);
-  void addTo(Registrations& registrations) const;
+  /// The master has answered.
+  void noteMaster() noexcept { master_heard_at_.store(ros::SteadyTime::now().toSec()); }
 
  private:
   static constexpr std::size_t kCodes = 32;
@@ -87,8 +98,12 @@ class CorrectedArm {
   // Of the live thread alone.
   Pose path_first_, path_last_;
   bool has_path_ = false;
-  Pose known_;  // what the planner asked for last: the parts that a later request leaves out
-  bool known_position_ = false, known_orientation_ = false;
+  struct Known {
+    Pose pose;  ///< what the planner asked for last: the parts that a later request leaves out
+    bool position = false, orientation = false;  ///< are known
+  };
+  Known known_, next_known_;  // next_known_: once the request is sent
+  bool prepared_ = false;     // the last request asked something of corrector_
   MessagePool<CorrectionStatus> statuses_;
 
   // Counted by the live thread, read by diagnostics.
@@ -96,6 +111,9 @@ class CorrectedArm {
   LatencyHistogram latency_;
   std::atomic<double> distance_{0.0};
   std::atomic<std::uint64_t> beyond_{0};
+  std::atomic<ToolKnownBy> tool_known_by_{ToolKnownBy::kNotAsked};
+
+  std::atomic<double> master_heard_at_;  // [s] of the steady clock
 
   // Guarded by mutex_.
   std::mutex mutex_;

@@ -10,20 +10,22 @@
 #include <ros/ros.h>
 
 #include <memory>
-#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "raven_correction/ros/corrected_arm.h"
+#include "raven_correction/ros/latched_replay.h"
+#include "raven_correction/ros/master_watch.h"
 #include "raven_correction/ros/robot_state.h"
 
 namespace raven_correction {
 
 class CorrectorNode {
  public:
-  /// Poses are handled by one thread of their own, questions to the master by another, everything
-  /// else by whoever spins the queue of the node handles.
+  /// Poses are handled by one thread of their own, models and questions to the master by one each,
+  /// everything else, above all what switches the correction off, by whoever spins the queue of the
+  /// node handles.
   /// @throws InvalidInput  see loadCorrectorParams() and CorrectedArm
   CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~CorrectorNode();
@@ -36,13 +38,14 @@ class CorrectorNode {
   template <typename Message>
   void onDesired(const ros::MessageEvent<Message const>& event);
   bool decide(bool readable, bool latched, double now, CommandRequest& request, Outputs& outputs);
-  bool isStaleLatched(const ros::M_string& header);
   void watchClock(const ros::Time& now);
   void watchRobotState(const ros::SteadyTime& now);
   void onRobotState(const ros::MessageEvent<AnyMessage const>& event);
-  void onTuning(const CorrectorConfig& config);
-  void watchMaster();
-  void updateHold();
+  void onTuning(CorrectorConfig& config);
+  void noteMaster(const MasterView& view);
+  void watchOutput();
+  CorrectionHold holdNow() const noexcept;
+  void updateHold() noexcept;
   void offerServices(const std::string& ns, const std::vector<CorrectedArm*>& arms);
 
   ros::NodeHandle nh_, private_nh_;
@@ -50,11 +53,11 @@ class CorrectorNode {
   std::vector<std::string> arm_names_;
 
   // Declared before what is in it.
-  ros::CallbackQueue live_queue_, master_queue_;
+  ros::CallbackQueue live_queue_, model_queue_, master_queue_;
   std::vector<std::unique_ptr<CorrectedArm>> arms_;
 
   // Of the live thread alone.
-  std::set<std::string> latched_publishers_;
+  LatchedReplay replays_;
   ros::Time last_now_;
   std::tuple<MessagePool<geometry_msgs::PoseStamped>, MessagePool<geometry_msgs::TransformStamped>,
              MessagePool<RavenCommand>>
@@ -63,21 +66,23 @@ class CorrectorNode {
   ros::SteadyTime robot_state_at_;
   bool robot_state_warned_ = false;
 
-  // Set by one thread each, read by updateHold().
+  // Set by one thread each, read by holdNow().
   std::atomic<bool> robot_ready_{true}, alone_{true};
-  std::mutex hold_mutex_;
 
   // Of the thread that asks the master.
   Registrations registrations_;
+  bool forgotten_ = false;  // by the master, which has not been told of everything yet
   bool master_lost_ = false;
+  std::string other_publisher_;  // a node that the master knows; empty: none
 
   ros::Publisher command_publisher_;
   std::vector<ros::ServiceServer> services_;
+  CorrectorConfig tuning_in_force_;
   std::unique_ptr<dynamic_reconfigure::Server<CorrectorConfig>> tuning_;
   // Declared last: their callbacks use everything above.
   ros::Subscriber desired_subscriber_, robot_state_subscriber_;
   ros::WallTimer master_timer_;
-  std::unique_ptr<ros::AsyncSpinner> live_spinner_, master_spinner_;
+  std::unique_ptr<ros::AsyncSpinner> live_spinner_, model_spinner_, master_spinner_;
 };
 
 }  // namespace raven_correction

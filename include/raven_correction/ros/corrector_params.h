@@ -12,8 +12,8 @@
 
 namespace raven_correction {
 
-/// One arm. With a single arm its parameters are those of the node; with two, each has a namespace
-/// of its own below it.
+/// One arm. With a single arm its parameters are those of the node (or of its namespace, if it has
+/// one); with two, each has a namespace of its own below it and has to say whose models it takes.
 struct CorrectedArmParams {
   std::string name;   ///< in arm_names of a RavenCommand; empty: the message has one pose
   std::string ns;     ///< of its topics and parameters, below those of the node; empty: the same
@@ -40,8 +40,10 @@ struct CorrectorParams {
 CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh);
 
 /// @param now  Unix time [s]
-/// @throws InvalidInput  the model is of another frame, arm, tool, message type or unit, or has
-///                       expired; the text says which, and what to do
+/// Units are the business of modelFromMsg().
+/// @throws InvalidInput  the model is of another frame, arm, tool or message type, does not say for
+///                       which arm or tool although one is asked for, or has expired; the text says
+///                       which, and what to do
 void checkModelIsFor(const Correction& model, const CorrectorParams& params,
                      const CorrectedArmParams& arm, double now);
 

@@ -24,7 +24,9 @@ struct ArmRequest {
   Pose pose;                ///< parts that are not asked for are of no meaning, perhaps not finite
   bool position = true;     ///< part of the request
   bool orientation = true;  ///< part of the request
-  std::size_t place = 0;    ///< in the message, for write()
+  bool position_relative = false;     ///< an increment
+  bool orientation_relative = false;  ///< an increment
+  std::size_t place = 0;              ///< in the message, for write()
 };
 
 constexpr std::size_t kMaxCorrectedArms = 2;

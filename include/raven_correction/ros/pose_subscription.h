@@ -22,8 +22,7 @@ using PoseCallback = std::function<void(const geometry_msgs::PoseStampedConstPtr
 /// @param type        one of poseTypes()
 /// @param queue_size  messages that wait for the callback [1]
 /// @param arm  for the type "RavenCommand": the arm whose absolute poses are handed on; commands
-/// that
-///             ask nothing or an increment of it are not
+///             that ask nothing or an increment of it are not
 /// @throws InvalidInput  unknown type
 ros::Subscriber subscribePose(ros::NodeHandle& nh, const std::string& topic,
                               const std::string& type, std::uint32_t queue_size,

@@ -18,6 +18,7 @@
 #include "raven_correction/LoadModel.h"
 #include "raven_correction/ros/arrival.h"
 #include "raven_correction/ros/command_gate.h"
+#include "raven_correction/ros/latched_replay.h"
 #include "raven_correction/ros/simulated_cell.h"
 
 namespace raven_correction {
@@ -66,6 +67,7 @@ class SimulatedArmPort {
   SimulatedArmParams params_;
   SimulationConfig config_;
   std::unique_ptr<SimulatedCell> cell_;  // null: the clock has not started
+  LatchedReplay replays_;
   CommandGate gate_;
   Arrival jaw_arrival_;
   std::uint64_t jaw_taken_ = 0;
