@@ -248,7 +248,8 @@ Eigen::VectorXd squaresOfMotions(const std::vector<Sample>& samples, const Eigen
 
 DependenceResult residualDependence(const Recording& recording, const ResidualLayout& layout,
                                     const Eigen::VectorXd& residual, const Eigen::MatrixXd& joints,
-                                    int folds, std::uint64_t seed) {
+                                    const SimulatedSamples& simulated, int folds,
+                                    std::uint64_t seed) {
   DependenceResult result;
   const std::vector<Sample> samples = observedSamples(recording, layout, joints);
   if (samples.empty()) return result;
@@ -274,7 +275,8 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
       {"time", timeFeatures(samples)}};
   Eigen::MatrixXd velocity(targets.rows(), targets.cols());
   for (std::size_t i = 0; i < samples.size(); ++i)
-    velocity.row(static_cast<Eigen::Index>(i)) = simulatedVelocity(recording, samples[i]);
+    velocity.row(static_cast<Eigen::Index>(i)) =
+        simulatedVelocity(recording, samples[i], simulated);
   for (std::size_t k = 0; k < channel_of.size(); ++k)
     velocity.col(static_cast<Eigen::Index>(k)) /= scales(channel_of[k]);
   const DelayPrediction delay = delayPredictions(samples, whitened, velocity, folds);

@@ -107,8 +107,8 @@ bool isAlignment(const Cause& cause) {
 }
 
 /// Registration and tool frame alone, fitted anew, on motions held out.
-Eigen::VectorXd alignedResidual(const Recording& recording, const ResidualLayout& layout,
-                                const SimulationConfig& simulation, const Verdict& verdict) {
+SimulatedResidual alignedResidual(const Recording& recording, const ResidualLayout& layout,
+                                  const SimulationConfig& simulation, const Verdict& verdict) {
   EffectFitProblem problem;
   problem.recording = &recording;
   problem.layout = &layout;
@@ -126,7 +126,9 @@ Eigen::VectorXd alignedResidual(const Recording& recording, const ResidualLayout
       layout,
       residuals(recording, layout, withValues(simulation, problem.parameters, problem.start)));
   const EffectFit fit = fitEffects(problem);
-  return heldOutResiduals(problem, fit, verdict.folds);
+  SimulatedResidual aligned;
+  aligned.residual = heldOutResiduals(problem, fit, verdict.folds, &aligned.simulated);
+  return aligned;
 }
 
 /// Cuts motions into blocks of time where there are too few of them to hold any out.
@@ -226,26 +228,28 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.gain_lower = gain.lower;
   verdict.gain_upper = gain.upper;
   verdict.aligned = std::any_of(verdict.causes.begin(), verdict.causes.end(), isAlignment);
-  Eigen::VectorXd aligned;
+  SimulatedResidual aligned;
   if (verdict.aligned) {
     aligned = alignedResidual(recording, layout, base, verdict);
-    verdict.after_alignment = errorsOf(layout, aligned, verdict.folds, true);
-    const Gain from = gainOf(layout, aligned, after, verdict.seed);
+    verdict.after_alignment = errorsOf(layout, aligned.residual, verdict.folds, true);
+    const Gain from = gainOf(layout, aligned.residual, after, verdict.seed);
     verdict.gain_from_alignment = from.value;
     verdict.alignment_lower = from.lower;
     verdict.alignment_upper = from.upper;
   }
 
-  Eigen::MatrixXd joints;
-  residuals(recording, layout, base, &joints);
-  verdict.shown =
-      residualDependence(recording, layout, before, joints, verdict.folds, verdict.seed);
-  verdict.left = residualDependence(recording, layout, after, joints, verdict.folds, verdict.seed);
-  verdict.figures = residualSamples(recording, layout, joints, before, aligned, after);
+  SimulatedSamples given, extended;
+  residuals(recording, layout, base, &given);
+  verdict.shown = residualDependence(recording, layout, before, given.joints, given, verdict.folds,
+                                     verdict.seed);
+  verdict.left = residualDependence(recording, layout, after, given.joints, selection.held_out,
+                                    verdict.folds, verdict.seed);
+  verdict.figures = residualSamples(recording, layout, {before, std::move(given)}, aligned,
+                                    {after, std::move(selection.held_out)});
   if (progress) progress("learning from what is left", 0.98);
-  residuals(recording, layout, verdict.simulation, &joints);
+  residuals(recording, layout, verdict.simulation, &extended);
   const Eigen::VectorXd learnt =
-      withoutLearnable(recording, layout, after, joints, verdict.folds, verdict.seed);
+      withoutLearnable(recording, layout, after, extended.joints, verdict.folds, verdict.seed);
   const Gain learnable = gainOf(layout, after, learnt, verdict.seed);
   verdict.learnable = learnable.value;
   verdict.learnable_lower = learnable.lower;

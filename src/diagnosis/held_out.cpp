@@ -38,9 +38,12 @@ Eigen::VectorXd withoutFold(const EffectFitProblem& problem, const EffectFit& fi
 
 }  // namespace
 
-Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds) {
+Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds,
+                                 SimulatedSamples* simulated) {
   const ResidualLayout& layout = *problem.layout;
-  if (problem.parameters.empty()) return fit.residual;
+  if (problem.parameters.empty())
+    return simulated ? residuals(*problem.recording, layout, problem.simulation, simulated)
+                     : fit.residual;
   const Eigen::VectorXd scales = channelScales(layout, fit.residual, problem.use);
   const std::vector<NormalEquations> motions =
       normalEquations(layout, fit.residual, fit.jacobian, scales);
@@ -51,6 +54,11 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
     all.g += motion.g;
   }
   Eigen::VectorXd result = fit.residual;
+  if (simulated) {
+    const auto blocks = static_cast<Eigen::Index>(layout.blocks.size());
+    simulated->joints.resize(problem.recording->robot.size(), blocks);
+    simulated->orientation.resize(4, blocks);
+  }
   parallelFor(folds, [&](int fold) {
     NormalEquations rest = all;
     for (std::size_t m = static_cast<std::size_t>(fold); m < motions.size();
@@ -58,11 +66,19 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
       rest.H -= motions[m].H;
       rest.g -= motions[m].g;
     }
+    SimulatedSamples samples;
     const Eigen::VectorXd there = residuals(*problem.recording, layout,
                                             withValues(problem.simulation, problem.parameters,
-                                                       withoutFold(problem, fit, rest.H, rest.g)));
-    for (const ResidualBlock& block : layout.blocks) {
+                                                       withoutFold(problem, fit, rest.H, rest.g)),
+                                            simulated ? &samples : nullptr);
+    for (std::size_t b = 0; b < layout.blocks.size(); ++b) {
+      const ResidualBlock& block = layout.blocks[b];
       if (block.motion % folds != fold) continue;
+      if (simulated) {
+        const auto column = static_cast<Eigen::Index>(b);
+        simulated->joints.col(column) = samples.joints.col(column);
+        simulated->orientation.col(column) = samples.orientation.col(column);
+      }
       const int size = layout.channels[static_cast<std::size_t>(block.channel)].size;
       result.segment(block.offset, size) = there.segment(block.offset, size);
     }

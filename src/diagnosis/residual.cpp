@@ -118,13 +118,22 @@ ResidualLayout residualLayout(const Recording& recording) {
   return layout;
 }
 
+Eigen::Quaterniond SimulatedSamples::tool(std::size_t block) const {
+  const Eigen::Vector4d coefficients = orientation.col(static_cast<Eigen::Index>(block));
+  if (coefficients.isZero(0.0)) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(coefficients);
+}
+
 Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layout,
-                          const SimulationConfig& simulation, Eigen::MatrixXd* joints) {
+                          const SimulationConfig& simulation, SimulatedSamples* simulated) {
   SimulationConfig config = simulation;
   config.step = kLongestStep;
   Eigen::VectorXd residual(layout.size);
-  if (joints)
-    joints->resize(recording.robot.size(), static_cast<Eigen::Index>(layout.blocks.size()));
+  if (simulated) {
+    const auto count = static_cast<Eigen::Index>(layout.blocks.size());
+    simulated->joints.resize(recording.robot.size(), count);
+    simulated->orientation.setZero(4, count);
+  }
   Replay replay(config);
   Eigen::Index at = 0, block = 0;
   for (const Recording::Motion& motion : recording.motions) {
@@ -134,9 +143,10 @@ Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layo
       const Eigen::Index blocks =
           observation.kind == Kind::kPose ? 2 : static_cast<Eigen::Index>(recording.robot.size());
       if (observation.kind == Kind::kPose) {
-        const Pose simulated = arm.toolPose();
-        residual.segment<3>(at) = observation.pose.p - simulated.p;
-        residual.segment<3>(at + 3) = logRotation(simulated.q.conjugate() * observation.pose.q);
+        const Pose tool = arm.toolPose();
+        residual.segment<3>(at) = observation.pose.p - tool.p;
+        residual.segment<3>(at + 3) = logRotation(tool.q.conjugate() * observation.pose.q);
+        if (simulated) simulated->orientation.middleCols(block, blocks).colwise() = tool.q.coeffs();
         at += 6;
       } else {
         const JointVector& there =
@@ -144,7 +154,8 @@ Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layo
         residual.segment(at, blocks) = jointDifference(recording.robot, observation.joints, there);
         at += blocks;
       }
-      if (joints) joints->middleCols(block, blocks).colwise() = Eigen::VectorXd(arm.joints());
+      if (simulated)
+        simulated->joints.middleCols(block, blocks).colwise() = Eigen::VectorXd(arm.joints());
       block += blocks;
     }
     replay.end();

@@ -81,7 +81,7 @@ class Selector {
     problem_.simulation = simulation;
     problem_.max_iterations = kRefitIterations;
     problem_.tolerance = kRefitTolerance;
-    fit_.residual = residuals(recording, layout, simulation);
+    fit_.residual = residuals(recording, layout, simulation, &result_.held_out);
     fit_.values.resize(0);
     fit_.jacobian.resize(layout.size, 0);
     held_out_ = fit_.residual;
@@ -254,7 +254,7 @@ class Selector {
     problem_.frozen.resize(0, 0);
     fit_ = fitEffects(problem_);
     problem_.start = fit_.values;
-    held_out_ = heldOutResiduals(problem_, fit_, options_.folds);
+    held_out_ = heldOutResiduals(problem_, fit_, options_.folds, &result_.held_out);
   }
 
   /// The fit without one cause, all others free to make up for it.
@@ -354,7 +354,8 @@ class Selector {
       if (member.first > gone.first) member.first -= gone.count;
     if (members_.empty()) {
       fit_ = EffectFit();
-      fit_.residual = held_out_ = result_.nominal_residual;
+      fit_.residual = held_out_ =
+          residuals(recording_, layout_, problem_.simulation, &result_.held_out);
       fit_.jacobian.resize(layout_.size, 0);
     } else {
       refit();

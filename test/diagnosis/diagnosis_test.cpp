@@ -132,9 +132,10 @@ TEST(Dependence, SaysOnWhat) {
   const Recording recording =
       makeRecording(simulateSession(with("mocap_scale", 0, 0.02), 40, 5), nominal().robot, {});
   const ResidualLayout layout = residualLayout(recording);
-  Eigen::MatrixXd joints;
-  const Eigen::VectorXd residual = residuals(recording, layout, nominal(), &joints);
-  const DependenceResult result = residualDependence(recording, layout, residual, joints, 5, 1);
+  SimulatedSamples simulated;
+  const Eigen::VectorXd residual = residuals(recording, layout, nominal(), &simulated);
+  const DependenceResult result =
+      residualDependence(recording, layout, residual, simulated.joints, simulated, 5, 1);
   ASSERT_FALSE(result.groups.empty());
   EXPECT_EQ(result.groups.front().on, "position");
   EXPECT_GT(result.groups.front().lower, 0.02);

@@ -42,9 +42,14 @@ struct DependenceResult {
 ///
 /// Components are clipped at three robust deviations, so that single wrong samples do not rule.
 /// Encoder channels are left out.
+/// @param residual   of any simulation of the recording, layout.size
+/// @param joints     that the features are made of, one column per block: as a rule those of the
+///        simulation that was given, so that before and after have the same features
+/// @param simulated  what the simulation that left the residual says: the frame of its orientation
 DependenceResult residualDependence(const Recording& recording, const ResidualLayout& layout,
                                     const Eigen::VectorXd& residual, const Eigen::MatrixXd& joints,
-                                    int folds, std::uint64_t seed);
+                                    const SimulatedSamples& simulated, int folds,
+                                    std::uint64_t seed);
 
 /// Standard deviation of a channel's components from one sample to the next: what no model can
 /// explain. Second differences of neighbouring samples, so that slow errors do not count.

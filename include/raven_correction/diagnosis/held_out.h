@@ -15,9 +15,11 @@ namespace raven_correction {
 /// to fold i % folds. From the fit to all motions, each fold's parameters are one Gauss-Newton step
 /// away, theta - (H - H_k)^-1 (g - g_k), clipped to their ranges; then the simulation is run.
 /// @param fit  of problem, with its Jacobian, to all motions
+/// @param simulated  if not null: what the simulation of its fold says of every sample
 /// @return layout.size numbers
 /// Source of the step: Beirami et al. 2017, On optimal generalizability in parametric learning
-Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds);
+Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds,
+                                 SimulatedSamples* simulated = nullptr);
 
 /// Whether `after` is better than `before`, motion by motion.
 struct LossComparison {

@@ -44,6 +44,7 @@ struct SelectionResult {
   Eigen::VectorXd nominal_residual;   ///< before any cause
   Eigen::VectorXd fitted_residual;    ///< of the fit to all motions
   Eigen::VectorXd held_out_residual;  ///< see heldOutResiduals()
+  SimulatedSamples held_out;          ///< what the simulations that left it say
   bool converged = true;              ///< the last fit of all causes
   std::size_t hypotheses = 0;         ///< tried in the first round
   std::size_t starts = 0;             ///< of their fits, periods and instants included
