@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "raven_correction/diagnosis/dependence.h"
-
 namespace raven_correction {
 namespace {
 
@@ -31,10 +29,8 @@ double studentQuantile(double p, double freedom) {
 
 }  // namespace
 
-ClaimRule::ClaimRule(const Recording& recording, const ResidualLayout& layout, double least_share,
-                     std::uint64_t seed)
-    : recording_(recording),
-      layout_(layout),
+ClaimRule::ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed)
+    : layout_(layout),
       least_share_(least_share),
       seed_(seed),
       threshold_(std::numeric_limits<double>::infinity()),
@@ -67,11 +63,11 @@ bool ClaimRule::earns(const Eigen::VectorXd& without, const Eigen::VectorXd& wit
   return comparison.z_mean > kFewMotions && evidence > kLeastEvidence && isQuiet(without);
 }
 
-// The residual of most motions is no larger than their noise from sample to sample.
+// The residual of most motions is no larger than their noise from frame to frame.
 bool ClaimRule::isQuiet(const Eigen::VectorXd& residual) const {
-  const Eigen::VectorXd floor = noiseFloor(recording_, layout_, residual);
+  if (floor_.size() == 0) return false;
   const Eigen::VectorXd scale = channelScales(layout_, residual);
-  return ((scale.array() <= kQuiet * floor.array()) || (floor.array() == 0.0)).all();
+  return ((scale.array() <= kQuiet * floor_.array()) || (floor_.array() == 0.0)).all();
 }
 
 }  // namespace raven_correction

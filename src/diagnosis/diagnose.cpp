@@ -7,6 +7,7 @@
 #include <random>
 
 #include "raven_correction/diagnosis/learnable.h"
+#include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/statistics.h"
 
@@ -151,6 +152,7 @@ void cutIntoBlocks(int least, Recording& recording) {
       part(setpoint.stamp).setpoints.push_back(setpoint);
     for (const auto& observation : motion.observations)
       part(observation.stamp).observations.push_back(observation);
+    for (const auto& frame : motion.frames) part(frame.stamp).frames.push_back(frame);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       parts[i].id = format("%s block %zu", motion.id.c_str(), i);
       if (!parts[i].setpoints.empty() && !parts[i].observations.empty())
@@ -256,7 +258,7 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.learnable_upper = learnable.upper;
   verdict.after_learning = errorsOf(layout, learnt, verdict.folds, recording.has_kinematics);
 
-  const Eigen::VectorXd floor = noiseFloor(recording, layout, after);
+  const Eigen::VectorXd floor = noiseFloor(recording, verdict.simulation);
   const Eigen::VectorXd scales = channelScales(layout, after);
   judgeWhatIsLeft(isBeyondNoise(layout, after, floor), verdict);
   for (std::size_t c = 0; c < layout.channels.size(); ++c) {

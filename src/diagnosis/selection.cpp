@@ -6,6 +6,7 @@
 
 #include "parallel.h"
 #include "raven_correction/diagnosis/claim.h"
+#include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/diagnosis/screening.h"
 #include "raven_correction/error.h"
 
@@ -74,7 +75,7 @@ class Selector {
         options_(options),
         progress_(progress),
         summary_(summarise(recording)),
-        rule_(recording, layout, options.least_share, options.seed),
+        rule_(layout, options.least_share, options.seed),
         hypotheses_(newHypotheses(recording, simulation)) {
     problem_.recording = &recording;
     problem_.layout = &layout;
@@ -85,6 +86,7 @@ class Selector {
     fit_.values.resize(0);
     fit_.jacobian.resize(layout.size, 0);
     held_out_ = fit_.residual;
+    rule_.setNoise(noiseFloor(recording, simulation));
     result_.nominal_residual = fit_.residual;
     result_.hypotheses = hypotheses_.size();
   }
@@ -255,6 +257,8 @@ class Selector {
     fit_ = fitEffects(problem_);
     problem_.start = fit_.values;
     held_out_ = heldOutResiduals(problem_, fit_, options_.folds, &result_.held_out);
+    rule_.setNoise(
+        noiseFloor(recording_, withValues(problem_.simulation, problem_.parameters, fit_.values)));
   }
 
   /// The fit without one cause, all others free to make up for it.
@@ -356,6 +360,7 @@ class Selector {
       fit_ = EffectFit();
       fit_.residual = held_out_ =
           residuals(recording_, layout_, problem_.simulation, &result_.held_out);
+      rule_.setNoise(noiseFloor(recording_, problem_.simulation));
       fit_.jacobian.resize(layout_.size, 0);
     } else {
       refit();

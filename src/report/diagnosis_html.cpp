@@ -179,7 +179,7 @@ void appendLeft(const Verdict& verdict, HtmlDocument& document) {
                  .c_str()));
   if (verdict.has_kinematics)
     document.paragraph(
-        format("Noise floor, from one sample to the next, which no model can explain: %.2f mm and "
+        format("Noise floor, from one frame to the next, which no model can explain: %.2f mm and "
                "%.2f deg RMS.",
                kMillimetre * verdict.noise_floor, kDegree * verdict.angle_floor));
 }

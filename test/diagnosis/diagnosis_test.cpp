@@ -9,6 +9,7 @@
 #include "diagnosis/fixtures.h"
 #include "diagnosis/judge.h"
 #include "plant/joint_session.h"
+#include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/error.h"
 #include "raven_correction/report/diagnosis_report.h"
 #include "raven_correction/simulation/session.h"
@@ -122,10 +123,29 @@ TEST(NoiseFloor, IsThatOfTheCameras) {
   const Recording recording = makeRecording(recorded(nominal()), nominal().robot, {});
   const ResidualLayout layout = residualLayout(recording);
   const Eigen::VectorXd residual = residuals(recording, layout, nominal());
-  const Eigen::VectorXd floor = noiseFloor(recording, layout, residual);
+  const Eigen::VectorXd floor = noiseFloor(recording, nominal());
   const Eigen::VectorXd scale = channelScales(layout, residual);
   EXPECT_NEAR(floor(0), scale(0), 0.15 * scale(0));
   EXPECT_NEAR(floor(1), scale(1), 0.15 * scale(1));
+}
+
+// What is used of the recording does not change its noise: every tenth observation, of a robot
+// whose error is no noise, has the floor of all of them.
+TEST(NoiseFloor, DoesNotDependOnHowManySamplesAreUsed) {
+  const Dataset dataset = recorded(with("command_delay", 0, 0.1));
+  RecordingOptions options;
+  options.max_samples = 0;
+  const Recording all = makeRecording(dataset, nominal().robot, options);
+  std::size_t count = 0;
+  for (const Recording::Motion& motion : all.motions) count += motion.observations.size();
+  options.max_samples = count / 10;
+  const Recording few = makeRecording(dataset, nominal().robot, options);
+  const Eigen::VectorXd floor = noiseFloor(all, nominal());
+  EXPECT_LT((noiseFloor(few, nominal()) - floor).cwiseAbs().maxCoeff(), 1e-12);
+  // And that of the cameras, though the simulation is wrong by far more.
+  const Eigen::VectorXd right = noiseFloor(all, with("command_delay", 0, 0.1));
+  EXPECT_NEAR(floor(0), right(0), 0.1 * right(0));
+  EXPECT_NEAR(floor(1), right(1), 0.1 * right(1));
 }
 
 TEST(Dependence, SaysOnWhat) {

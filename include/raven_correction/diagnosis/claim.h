@@ -18,12 +18,14 @@ namespace raven_correction {
 class ClaimRule {
  public:
   /// @param least_share  of the held-out loss that a claim must gain [-]
-  ClaimRule(const Recording& recording, const ResidualLayout& layout, double least_share,
-            std::uint64_t seed);
+  ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed);
 
   /// The gain over typical motions must be beyond that of the best of `tried` useless hypotheses,
   /// but for a chance of `significance`. Until then no gain is enough.
   void setTried(std::size_t tried, double significance);
+
+  /// Noise from frame to frame, one per channel (noiseFloor()). Until then no recording is quiet.
+  void setNoise(const Eigen::VectorXd& floor) { floor_ = floor; }
 
   /// How much better `with` explains the held-out motions than `without`, every channel in units of
   /// its spread in `scales_of`.
@@ -39,11 +41,11 @@ class ClaimRule {
  private:
   bool isQuiet(const Eigen::VectorXd& residual) const;
 
-  const Recording& recording_;
   const ResidualLayout& layout_;
   double least_share_;
   std::uint64_t seed_;
   double threshold_;         // of z over typical motions
+  Eigen::VectorXd floor_;    // of the noise, per channel
   Eigen::VectorXd samples_;  // of each motion, per channel
 };
 

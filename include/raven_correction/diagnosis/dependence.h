@@ -51,10 +51,4 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
                                     const SimulatedSamples& simulated, int folds,
                                     std::uint64_t seed);
 
-/// Standard deviation of a channel's components from one sample to the next: what no model can
-/// explain. Second differences of neighbouring samples, so that slow errors do not count.
-/// @return one per channel [m or rad]; 0 where no motion has three samples
-Eigen::VectorXd noiseFloor(const Recording& recording, const ResidualLayout& layout,
-                           const Eigen::VectorXd& residual);
-
 }  // namespace raven_correction

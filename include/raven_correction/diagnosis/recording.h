@@ -54,6 +54,9 @@ struct Recording {
     std::string id;
     std::vector<Setpoint> setpoints;        ///< by stamp, at least one
     std::vector<Observation> observations;  ///< by stamp
+    /// Runs of three consecutive frames of each kind, as they were before thinning, by stamp: what
+    /// the noise from frame to frame is seen in (noise_floor.h). So many, whatever max_samples is.
+    std::vector<Observation> frames;
   };
   std::string name;
   DriveSource source = DriveSource::kCommands;
