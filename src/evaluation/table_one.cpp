@@ -27,6 +27,7 @@ const char* methodName(Method method) noexcept {
 
 TrainingConfig configOf(Method method, const TrainingConfig& config) {
   TrainingConfig reduced = config;
+  reduced.simulation = nullptr;
   const bool cleans = method == Method::kRigidClean || method == Method::kRigidGpVelocityClean;
   const bool learns = method >= Method::kRigidGp;
   const bool moves = method >= Method::kRigidGpVelocity;

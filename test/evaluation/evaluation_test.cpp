@@ -127,6 +127,16 @@ TEST(TableOne, OrdersTheMethodsOnASimulatedSession) {
       }());
 }
 
+// A simulation may have seen what a fold tests on, and no column of the table says "physics".
+TEST(TableOne, HasNoPhysicsInAnyMethod) {
+  TrainingConfig config = quickConfig();
+  config.simulation = std::make_shared<const SimulationConfig>(
+      loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+  for (int method = 0; method < static_cast<int>(Method::kCount); ++method)
+    EXPECT_EQ(configOf(static_cast<Method>(method), config).simulation, nullptr)
+        << methodName(static_cast<Method>(method));
+}
+
 TEST(TableOne, NeedsAsManyTrajectoriesAsFolds) {
   TableOneProblem problem;
   problem.configurations = {{"best", quickConfig()}};
