@@ -215,6 +215,21 @@ void thin(std::size_t most, Recording& recording) {
   }
 }
 
+/// One simulation runs through the whole recording, with one homing and one registration.
+void refuseSeveralSessions(const Dataset& dataset) {
+  const std::vector<std::size_t> starts = sessionStarts(dataset);
+  if (starts.size() < 2) return;
+  const Trajectory& next = dataset.trajectories[starts[1]];
+  const Trajectory& before = dataset.trajectories[starts[1] - 1];
+  throw InvalidInput(format(
+      "%s: %zu sessions: between trajectory %s and trajectory %s there are %.1f h, at most %.0f h "
+      "are within one session; between sessions a robot is homed and registered anew, so diagnose "
+      "each on its own",
+      dataset.source.empty() ? dataset.name.c_str() : dataset.source.c_str(), starts.size(),
+      before.id.c_str(), next.id.c_str(), (next.start() - before.end()) / 3600.0,
+      kLongestPause / 3600.0));
+}
+
 /// Motions that can say something, in order of time; the rest is dropped.
 void finish(const Dataset& dataset, const RecordingOptions& options, Recording& recording) {
   applyOrientationWindow(options.orientation_window, recording);
@@ -290,6 +305,7 @@ Recording makeRecording(const Dataset& dataset, const KinematicChain& robot,
         "in \"%s\"; use the simulation of this robot and frame",
         dataset.source.c_str(), dataset.frame.c_str(), robot.name().c_str(),
         robot.frame().c_str()));
+  refuseSeveralSessions(dataset);
   Recording recording;
   recording.name = dataset.name;
   recording.source = options.source;
@@ -330,6 +346,7 @@ Recording makeJointRecording(const Dataset& dataset, const std::vector<bool>& pr
           "order throughout",
           dataset.source.c_str(), trajectory.id.c_str()));
   }
+  refuseSeveralSessions(dataset);
   Recording recording;
   recording.name = dataset.name;
   recording.robot = jointsOnly(dataset, names, prismatic);

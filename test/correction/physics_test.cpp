@@ -46,6 +46,20 @@ TEST(Physics, OfTheRobotItselfLeavesLessThanTheRigidStep) {
   EXPECT_EQ(result.model.physics.timing.delay, result.model.delay);
 }
 
+// What was recorded a day before does not make the robot a day older.
+TEST(Physics, TheAgeIsThatOfTheLastSession) {
+  constexpr double kDay = 86400.0;
+  Dataset days = session();
+  for (std::size_t i = 4; i < days.trajectories.size(); ++i)
+    for (PoseStream* stream : {&days.trajectories[i].commands, &days.trajectories[i].observations,
+                               &days.trajectories[i].encoders})
+      for (StampedPose& sample : *stream) sample.stamp += kDay;
+  const double start = days.trajectories[4].commands.front().stamp;
+  const double age = physicsOf(robot(), days, 0.1).timing.age;
+  EXPECT_NEAR(age, days.trajectories.back().commands.back().stamp - start, 1e-9);
+  EXPECT_LT(age, 0.01 * kDay);
+}
+
 TEST(Physics, WithoutASimulationNothingChanges) {
   const TrainingResult result = train(session(), quick(false), 1.0);
   EXPECT_TRUE(result.model.physics.empty());

@@ -62,6 +62,37 @@ TEST(Recording, RefusesAnotherFrameAndOutOfReach) {
   EXPECT_THROW(makeRecording(dataset, nominal().robot, {}), InvalidInput);
 }
 
+// Creep of a day, and a homing and a registration for two days: no single simulation is of both.
+TEST(Recording, RefusesSeveralSessions) {
+  constexpr double kDay = 86400.0;
+  Dataset dataset = recorded(nominal());
+  dataset.source = "two.bag";
+  const auto shift = [&](std::size_t from, double seconds) {
+    for (std::size_t i = from; i < dataset.trajectories.size(); ++i) {
+      for (PoseStream* stream :
+           {&dataset.trajectories[i].commands, &dataset.trajectories[i].observations,
+            &dataset.trajectories[i].encoders})
+        for (StampedPose& sample : *stream) sample.stamp += seconds;
+      for (StampedJoints& sample : dataset.trajectories[i].joint_observations.samples)
+        sample.stamp += seconds;
+    }
+  };
+  shift(6, 0.5 * kLongestPause);
+  EXPECT_EQ(sessionStarts(dataset), std::vector<std::size_t>{0});
+  EXPECT_NO_THROW(makeRecording(dataset, nominal().robot, {}));
+  shift(7, kDay);
+  EXPECT_EQ(sessionStarts(dataset), (std::vector<std::size_t>{0, 7}));
+  try {
+    makeRecording(dataset, nominal().robot, {});
+    FAIL();
+  } catch (const InvalidInput& error) {
+    const std::string why = error.what();
+    EXPECT_NE(why.find("two.bag: 2 sessions"), std::string::npos) << why;
+    EXPECT_NE(why.find("trajectory " + dataset.trajectories[7].id), std::string::npos) << why;
+    EXPECT_NE(why.find("each on its own"), std::string::npos) << why;
+  }
+}
+
 // The simulation that made the recording explains it to the noise of the cameras.
 TEST(Residual, OfTheTruthIsNoise) {
   const SimulationConfig truth = with("joint_offset", 1, 0.02);

@@ -79,7 +79,7 @@ struct Recording {
 /// @param robot  nominal chain of the data set's arm
 /// @throws InvalidInput  no trajectory has both what drives and what was observed; the poses of the
 ///         data set are in another frame than the robot's; no command can be reached, or
-///         most are outside the joint limits
+///         most are outside the joint limits; several sessions (sessionStarts())
 Recording makeRecording(const Dataset& dataset, const KinematicChain& robot,
                         const RecordingOptions& options);
 
