@@ -116,8 +116,10 @@ void appendErrors(const Verdict& verdict, HtmlDocument& document) {
   document.section("How large the error is");
   HtmlTable table;
   table.caption =
-      "Measured minus simulated. After: every motion predicted with parameters that were fitted "
-      "without it.";
+      "Measured minus simulated. All causes: every motion predicted with parameters that were "
+      "fitted "
+      "without it. Last row: a Gaussian process has learnt from what the causes leave of the other "
+      "motions.";
   const auto add = [&](const char* name, const DiagnosisErrors& errors) {
     const ErrorSizes& sizes = errors.sizes;
     std::vector<std::string> row{name};
@@ -147,6 +149,7 @@ void appendErrors(const Verdict& verdict, HtmlDocument& document) {
   if (verdict.aligned) add("registration and tool frame alone", verdict.after_alignment);
   add("all causes, motions held out", verdict.after);
   table.emphasised = {table.rows.size() - 1};
+  add("and what a process learns from that", verdict.after_learning);
   document.table(table);
   document.figure(errorDistributionFigure(verdict));
   if (verdict.has_kinematics) {
@@ -171,12 +174,20 @@ void appendLeft(const Verdict& verdict, HtmlDocument& document) {
   document.section("What is left");
   document.note(verdict.unexplained ? Tone::kNotice : Tone::kGood, unexplainedText(verdict));
   document.paragraph(
-      format("A regression on all of these quantities together still predicts %s of the squared "
-             "residual after, on motions it has not learnt from: this is about what a correction "
-             "could learn on top of the physics.",
+      format("A linear regression on functions of all of these quantities together predicts %s of "
+             "the squared residual after, on motions it has not learnt from: whether there is "
+             "structure, and in what. Single wrong samples are clipped there, so it does not say "
+             "how much smaller the error can become.",
              percentWithInterval(verdict.left.anything.share, verdict.left.anything.lower,
                                  verdict.left.anything.upper)
                  .c_str()));
+  document.paragraph(format(
+      "What a correction could learn on top of the physics: a Gaussian process with the "
+      "features that it has live takes %s off the RMS %s that the causes leave, on motions "
+      "held out. Near or below 0 %%: there is nothing for it to learn.",
+      percentWithInterval(verdict.learnable, verdict.learnable_lower, verdict.learnable_upper)
+          .c_str(),
+      verdict.has_kinematics ? "of position" : "(mean of joints)"));
   if (verdict.has_kinematics)
     document.paragraph(
         format("Noise floor, from one frame to the next, which no model can explain: %.2f mm and "

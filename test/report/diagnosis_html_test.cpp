@@ -72,7 +72,8 @@ TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
   const std::pair<const char*, const char*> rows[] = {
       {"before", "simulation as given"},
       {"after_alignment", "registration and tool frame alone"},
-      {"after", "all causes, motions held out"}};
+      {"after", "all causes, motions held out"},
+      {"after_learning", "and what a process learns from that"}};
   for (const auto& [side, name] : rows) {
     if (!json.contains(side)) continue;
     std::string expected;
@@ -82,6 +83,10 @@ TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
     EXPECT_TRUE(contains(page, "<td>" + std::string(name) + "</td>" + expected)) << side;
   }
   EXPECT_TRUE(contains(page, format("%.1f %%", json["gain_percent"].get<double>())));
+  EXPECT_TRUE(contains(page, format("takes %.1f %% (%.1f to %.1f %%) off the RMS of position",
+                                    json["learnable_percent"].get<double>(),
+                                    json["learnable_interval_percent"][0].get<double>(),
+                                    json["learnable_interval_percent"][1].get<double>())));
   for (const nlohmann::json& cause : json["causes"]) {
     EXPECT_TRUE(
         contains(page, format("%.1f %% (%.1f to %.1f %%)", cause["explained_percent"].get<double>(),
