@@ -205,7 +205,7 @@ Figure causesFigure(const Verdict& verdict) {
   Panel panel;
   panel.width = 460.0;
   panel.height = 70.0 + 24.0 * static_cast<double>(verdict.causes.size());
-  panel.x = Axis("share of the held-out error that goes with it", "%");
+  panel.x = Axis("share of the held-out loss that goes with it", "%");
   panel.x.lower = 0.0;
   Bars bars;
   bars.horizontal = true;
@@ -223,7 +223,8 @@ Figure causesFigure(const Verdict& verdict) {
   figure.panels.push_back(panel);
   figure.how_to_read =
       "Each cause alone was dropped and all others were fitted again; the bar is how much of the "
-      "loss on motions held out goes when it is put back. Shares do not add up to 100 %.";
+      "loss on motions held out goes when it is put back. The loss is squared, and counts position "
+      "and orientation alike. Shares do not add up to 100 %.";
   figure.good = "few causes with long bars, whose intervals stay clear of zero.";
   return figure;
 }

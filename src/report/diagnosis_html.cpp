@@ -34,7 +34,7 @@ std::vector<std::string> findings(const Verdict& verdict) {
     lines.push_back(
         verdict.labels[i] + (meaning.empty() ? "" : " (" + meaning + ")") + " explains " +
         percentWithInterval(cause.share, cause.lower, cause.upper) +
-        " of the error that is there without it" +
+        " of the held-out loss that is there without it" +
         (cause.equals.empty()
              ? "."
              : "; it cannot be told from " + joined(equalLabels(verdict, cause), "or") + " here."));
@@ -81,8 +81,11 @@ void appendCauses(const Verdict& verdict, HtmlDocument& document) {
   }
   HtmlTable table;
   table.caption =
-      "Explained: share of the held-out error that is there without this cause and goes with it, "
-      "with its 95 % interval over motions. Parameters with one standard deviation.";
+      "Explained: share of the held-out loss that is there without this cause and goes with it, "
+      "with its 95 % interval over motions. The loss counts position and orientation alike, each "
+      "in "
+      "units of its own spread, and is squared: half of it is less than half of the error, and the "
+      "wildest samples count less. Parameters with one standard deviation.";
   table.header = {"cause", "parameters", "explained", "cannot be told from", "next best"};
   for (std::size_t i = 0; i < verdict.causes.size(); ++i) {
     const Cause& cause = verdict.causes[i];
