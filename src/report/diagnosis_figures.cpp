@@ -206,7 +206,7 @@ Figure causesFigure(const Verdict& verdict) {
   panel.width = 460.0;
   panel.height = 70.0 + 24.0 * static_cast<double>(verdict.causes.size());
   panel.x = Axis("share of the held-out loss that goes with it", "%");
-  panel.x.lower = 0.0;
+  panel.x.from_zero = true;  // and an interval that crosses it is seen to
   Bars bars;
   bars.horizontal = true;
   bars.decimals = 1;

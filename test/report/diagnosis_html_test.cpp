@@ -132,6 +132,23 @@ TEST(DiagnosisHtml, HoldsNumbersThatAreNone) {
   EXPECT_EQ(problemsOf(pageOf(diagnosed().dataset, verdict)), "");
 }
 
+// An interval that crosses zero is drawn to its end: the axis goes below zero, too.
+TEST(DiagnosisHtml, ShowsIntervalsThatCrossZero) {
+  const auto ticks = [](const std::string& page) {
+    for (const Picture& picture : picturesOf(page))
+      if (contains(picture.svg, "share of the held-out loss")) return picture.svg;
+    return std::string();
+  };
+  Verdict verdict = diagnosed().verdict;
+  const std::string minus = ">\xE2\x88\x92";  // at the beginning of a tick's label
+  for (Cause& cause : verdict.causes) cause.lower = std::max(cause.lower, 0.0);
+  const std::string above = ticks(pageOf(diagnosed().dataset, verdict));
+  ASSERT_FALSE(above.empty());
+  EXPECT_FALSE(contains(above, minus));
+  verdict.causes[0].lower = -0.6;
+  EXPECT_TRUE(contains(ticks(pageOf(diagnosed().dataset, verdict)), minus));
+}
+
 TEST(DiagnosisHtml, ClaimsNothingWhereThereIsNothing) {
   Verdict verdict = diagnosed().verdict;
   verdict.causes.clear();
