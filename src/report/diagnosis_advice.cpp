@@ -55,9 +55,8 @@ constexpr Entry kEntries[] = {
     {"mocap_scale", "the tracker's positions are scaled", "calibrate the tracker"},
 };
 
-constexpr double kManyLeft = 0.1;   // share of samples left out that is worth a look [-]
-constexpr int kFewMotions = 20;     // held-out intervals of fewer motions are wide
-constexpr double kNearFloor = 2.0;  // times the noise floor: there is little to gain [-]
+constexpr double kManyLeft = 0.1;  // share of samples left out that is worth a look [-]
+constexpr int kFewMotions = 20;    // held-out intervals of fewer motions are wide
 
 bool needsLook(const Verdict& verdict) {
   const Recording::Left& left = verdict.left_out;

@@ -49,7 +49,7 @@ void layOutDistribution(const std::vector<double>& all, double floor, Panel& pan
   panel.y = Axis("samples with at most this error", "%");
   panel.y.lower = 0.0;
   panel.y.upper = 100.0;
-  panel.layers.push_back(floorRule("noise floor (RMS)", floor));
+  if (floor > 0.0) panel.layers.push_back(floorRule("noise floor (RMS)", floor));
 }
 
 Panel distributionPanel(const Verdict& verdict, bool position) {

@@ -43,21 +43,25 @@ std::vector<std::string> findings(const Verdict& verdict) {
   return lines;
 }
 
+/// "noise floor 0.12 mm (RMS)"; empty where no frames tell it.
+std::string floorText(double floor, double scale, const char* unit) {
+  return floor > 0.0 ? format("noise floor %.2f %s (RMS)", scale * floor, unit) : "";
+}
+
 std::vector<KeyNumber> keyNumbers(const Verdict& verdict) {
   std::vector<KeyNumber> numbers;
   const ErrorSizes& before = verdict.before.sizes;
   const ErrorSizes& after = verdict.after.sizes;
   if (verdict.has_kinematics) {
-    numbers.push_back(
-        {"median position error",
-         changeText(before.position_median, after.position_median, kMillimetre, "mm"),
-         "noise floor " + format("%.2f mm (RMS)", kMillimetre * verdict.noise_floor)});
+    numbers.push_back({"median position error",
+                       changeText(before.position_median, after.position_median, kMillimetre, "mm"),
+                       floorText(verdict.noise_floor, kMillimetre, "mm")});
     numbers.push_back({"95 % of position errors below",
                        changeText(before.position_p95, after.position_p95, kMillimetre, "mm"), ""});
     numbers.push_back(
         {"median orientation error",
          changeText(before.orientation_median, after.orientation_median, kDegree, "deg"),
-         "noise floor " + format("%.2f deg (RMS)", kDegree * verdict.angle_floor)});
+         floorText(verdict.angle_floor, kDegree, "deg")});
   }
   numbers.push_back({verdict.has_kinematics ? "gain (position, RMS)" : "gain (RMS, mean of joints)",
                      format("%.1f %%", kPercent * verdict.gain),
@@ -82,10 +86,10 @@ void appendCauses(const Verdict& verdict, HtmlDocument& document) {
   HtmlTable table;
   table.caption =
       "Explained: share of the held-out loss that is there without this cause and goes with it, "
-      "with its 95 % interval over motions. The loss counts position and orientation alike, each "
-      "in "
-      "units of its own spread, and is squared: half of it is less than half of the error, and the "
-      "wildest samples count less. Parameters with one standard deviation.";
+      "with its 95 % interval over motions. The loss is squared and counts position and "
+      "orientation "
+      "alike, so a share of it is no share of the millimetres. Parameters with one standard "
+      "deviation.";
   table.header = {"cause", "parameters", "explained", "cannot be told from", "next best"};
   for (std::size_t i = 0; i < verdict.causes.size(); ++i) {
     const Cause& cause = verdict.causes[i];
@@ -120,9 +124,9 @@ void appendErrors(const Verdict& verdict, HtmlDocument& document) {
   HtmlTable table;
   table.caption =
       "Measured minus simulated. All causes: every motion predicted with parameters that were "
-      "fitted "
-      "without it. Last row: a Gaussian process has learnt from what the causes leave of the other "
-      "motions.";
+      "fitted without it. Last row: a Gaussian process has learnt from what the causes leave of "
+      "the "
+      "other motions.";
   const auto add = [&](const char* name, const DiagnosisErrors& errors) {
     const ErrorSizes& sizes = errors.sizes;
     std::vector<std::string> row{name};
@@ -191,7 +195,7 @@ void appendLeft(const Verdict& verdict, HtmlDocument& document) {
       percentWithInterval(verdict.learnable, verdict.learnable_lower, verdict.learnable_upper)
           .c_str(),
       verdict.has_kinematics ? "of position" : "(mean of joints)"));
-  if (verdict.has_kinematics)
+  if (verdict.has_kinematics && verdict.noise_floor > 0.0)
     document.paragraph(
         format("Noise floor, from one frame to the next, which no model can explain: %.2f mm and "
                "%.2f deg RMS.",

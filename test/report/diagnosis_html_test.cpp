@@ -149,6 +149,15 @@ TEST(DiagnosisHtml, ShowsIntervalsThatCrossZero) {
   EXPECT_TRUE(contains(ticks(pageOf(diagnosed().dataset, verdict)), minus));
 }
 
+TEST(DiagnosisHtml, HasNoNoiseFloorWhereNoFramesTellIt) {
+  ASSERT_TRUE(contains(diagnosed().page, "noise floor (RMS)"));
+  Verdict verdict = diagnosed().verdict;
+  verdict.noise_floor = verdict.angle_floor = 0.0;
+  const std::string page = pageOf(diagnosed().dataset, verdict);
+  EXPECT_FALSE(contains(page, "noise floor (RMS)"));
+  EXPECT_FALSE(contains(page, "oise floor 0.00"));
+}
+
 TEST(DiagnosisHtml, ClaimsNothingWhereThereIsNothing) {
   Verdict verdict = diagnosed().verdict;
   verdict.causes.clear();

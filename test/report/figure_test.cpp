@@ -140,6 +140,41 @@ TEST(Panel, IsWellFormedWhateverTheNumbers) {
   EXPECT_TRUE(contains(panelSvg(constant), ">3.0</text>"));
 }
 
+// Zero is infinitely far away on a logarithmic axis: what stands there is left out, and not drawn
+// at the edge as if it were a value.
+TEST(Panel, LeavesOutWhatALogarithmicAxisDoesNotHave) {
+  Panel panel;
+  panel.x = panel.y = Axis("size", "mm");
+  panel.x.logarithmic = panel.y.logarithmic = true;
+  panel.x.lower = panel.y.lower = 0.1;
+  panel.x.upper = panel.y.upper = 10.0;
+  Line line;
+  line.x = line.y = {0.2, 1.0, 5.0};
+  panel.layers = {line};
+  const std::string without = panelSvg(panel);
+  for (const bool vertical : {true, false}) {
+    Rule rule;
+    rule.vertical = vertical;
+    for (const double nowhere : {0.0, -1.0, kNan}) {
+      rule.value = nowhere;
+      panel.layers = {line, rule};
+      EXPECT_EQ(panelSvg(panel), without) << nowhere;
+    }
+    rule.value = 2.0;
+    panel.layers = {line, rule};
+    EXPECT_NE(panelSvg(panel), without);
+  }
+  Band band;
+  band.x = {0.2, 1.0, 5.0};
+  band.lower = {0.0, 0.0, 0.0};
+  band.upper = {1.0, 1.0, 1.0};
+  Boxes boxes;
+  boxes.position = {1.0};
+  boxes.quantiles = {{0.0, 0.0, 0.0, 0.0, 0.0}};
+  panel.layers = {line, band, boxes};
+  EXPECT_EQ(panelSvg(panel), without);
+}
+
 TEST(Panel, HasUnitsOnItsAxesAndNeedsNoColour) {
   const std::string svg = panelSvg(everything());
   EXPECT_TRUE(contains(svg, "speed [mm/s]"));

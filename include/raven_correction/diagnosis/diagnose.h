@@ -73,8 +73,9 @@ struct Verdict {
   /// Of `left`, those beyond doubt; empty where what is left is larger than noise, but nothing that
   /// was tried predicts it.
   std::vector<std::string> depends_on;
+  /// Noise from frame to frame (noiseFloor()); 0 where no frames tell it.
   double noise_floor = 0.0;         ///< RMS length of position noise [m]; joint data: 0
-  double angle_floor = 0.0;         ///< RMS angle of orientation noise [rad]
+  double angle_floor = 0.0;         ///< RMS angle of orientation noise [rad]; joint data: 0
   std::vector<double> joint_floor;  ///< joint data: standard deviation of each joint [rad or m]
 };
 
