@@ -138,7 +138,10 @@ Headline headlineOf(const Verdict& verdict) {
     headline.text +=
         format(": %.2f mm become %.2f mm (RMS)", kMillimetre * verdict.before.sizes.position_rms,
                kMillimetre * verdict.after.sizes.position_rms);
-  headline.text += ", on motions that were not fitted to.";
+  headline.text +=
+      ", on motions that the parameters were not fitted to. The causes were chosen with all "
+      "motions "
+      "in view, so this is slightly optimistic where there are many weak ones.";
   headline.tone = verdict.unexplained || !verdict.converged ? Tone::kNotice : Tone::kGood;
   return headline;
 }

@@ -64,6 +64,8 @@ TEST(DiagnosisHtml, BeginsWithTheVerdictAndWhatToDo) {
   EXPECT_TRUE(contains(page, "extended.yaml"));
   ASSERT_FALSE(diagnosed().verdict.causes.empty());
   for (const std::string& label : diagnosed().verdict.labels) EXPECT_TRUE(contains(page, label));
+  // What is held out and what is not stands where the gain does.
+  EXPECT_LT(page.find("chosen with all motions in view"), page.find("<figure>"));
 }
 
 TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {

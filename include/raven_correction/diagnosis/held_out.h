@@ -14,6 +14,7 @@ namespace raven_correction {
 /// Residuals of every motion under parameters that were fitted without its fold; motion i belongs
 /// to fold i % folds. From the fit to all motions, each fold's parameters are one Gauss-Newton step
 /// away, theta - (H - H_k)^-1 (g - g_k), clipped to their ranges; then the simulation is run.
+/// What is no parameter of the fit is not held out: which effects there are, and fixed shapes.
 /// @param fit  of problem, with its Jacobian, to all motions
 /// @param simulated  if not null: what the simulation of its fold says of every sample
 /// @return layout.size numbers
