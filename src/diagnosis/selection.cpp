@@ -38,6 +38,11 @@ struct Member {
   double share = 0.0;  // when it was last dropped
 };
 
+/// How far the others are fitted again when a cause is dropped. kRound: as far as finalists are,
+/// with derivatives of before; it finds most of what does not earn its place. kLast: as far as the
+/// fit with all of them, so that the cause is judged by what it adds and not by the effort.
+enum class Effort { kRound, kLast };
+
 /// A hypothesis after its fit.
 struct Finalist {
   Candidate candidate;
@@ -94,12 +99,12 @@ class Selector {
   SelectionResult run() {
     int round = 0;
     while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
-    say("removing what no longer earns its place", 0.9);
-    removeWeak();
+    removeWeak(Effort::kRound);
     if (!members_.empty()) {  // nothing is added any more: to the end
       problem_.max_iterations = kLastIterations;
       problem_.tolerance = kLastTolerance;
       refit();
+      removeWeak(Effort::kLast);
       result_.converged = fit_.converged;
     }
     say("writing the verdict", 0.97);
@@ -279,7 +284,7 @@ class Selector {
   }
 
   /// Held-out residual when one cause is dropped and the others are refitted.
-  Eigen::VectorXd drop(const Member& member) const {
+  Eigen::VectorXd drop(const Member& member, Effort effort) const {
     EffectFitProblem problem = without(member);
     if (problem.parameters.empty()) return residuals(recording_, layout_, problem.simulation);
     problem.max_iterations = kFinalistIterations;
@@ -294,15 +299,22 @@ class Selector {
       fit = fitEffects(problem);
       problem.start = fit.values;
     }
+    if (effort == Effort::kLast) {
+      problem.max_iterations = kLastIterations;
+      problem.tolerance = kLastTolerance;
+      problem.scales = channelScales(layout_, fit.residual);
+      problem.frozen.resize(0, 0);
+      fit = fitEffects(problem);
+    }
     return heldOutResiduals(problem, fit, options_.folds);
   }
 
   /// Drops each of these causes on its own.
-  void dropEach(const std::vector<std::size_t>& members) {
+  void dropEach(const std::vector<std::size_t>& members, Effort effort) {
     dropped_.resize(members_.size());
     parallelFor(static_cast<int>(members.size()), [&](int index) {
       const std::size_t i = members[static_cast<std::size_t>(index)];
-      dropped_[i] = drop(members_[i]);
+      dropped_[i] = drop(members_[i], effort);
     });
   }
 
@@ -331,10 +343,13 @@ class Selector {
 
   /// Removes causes that do not earn their place, the weakest first; in the end each of those that
   /// stay has been dropped beside all the others.
-  void removeWeak() {
+  void removeWeak(Effort effort) {
     for (bool all = true; !members_.empty();) {
       const std::vector<std::size_t> tried = membersToDrop(all);
-      dropEach(tried);
+      say(format("removing what no longer earns its place: %zu of %zu causes dropped in turn",
+                 tried.size(), members_.size()),
+          effort == Effort::kRound ? 0.88 : 0.93);
+      dropEach(tried, effort);
       for (const std::size_t i : tried)
         members_[i].share = rule_.compare(dropped_[i], held_out_).share;
       const std::size_t weakest = weakestOf(tried);

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a selection says of the causes that it keeps, against fits made here from scratch.
+#include "raven_correction/diagnosis/selection.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "diagnosis/fixtures.h"
+#include "raven_correction/diagnosis/claim.h"
+#include "raven_correction/error.h"
+#include "raven_correction/simulation/session.h"
+
+namespace raven_correction {
+namespace {
+
+/// A robot with several causes that can make up for one another: an offset, a gain and a link of
+/// the same joint, and a registration.
+const Recording& recording() {
+  static const Recording made = [] {
+    Eigen::VectorXd truth(4);
+    truth << 0.02, 0.05, 0.01, 0.004;
+    const SimulationConfig wrong = withValues(
+        nominal(),
+        {{"joint_offset", 1}, {"joint_gain", 1}, {"joint_offset", 0}, {"base_registration", 2}},
+        truth);
+    RecordingOptions options;
+    options.max_samples = 600;
+    options.use_encoders = false;
+    return makeRecording(simulateSession(wrong, 12, 5), nominal().robot, options);
+  }();
+  return made;
+}
+
+/// Held-out residual of all causes but one, fitted until nothing changes any more.
+Eigen::VectorXd without(const ResidualLayout& layout, const SelectionResult& selection,
+                        std::size_t dropped) {
+  EffectFitProblem problem;
+  problem.recording = &recording();
+  problem.layout = &layout;
+  problem.simulation = nominal();
+  std::vector<double> start;
+  for (std::size_t i = 0; i < selection.causes.size(); ++i) {
+    if (i == dropped) continue;
+    const Cause& cause = selection.causes[i];
+    const auto& parameters = cause.hypothesis.parameters;
+    problem.parameters.insert(problem.parameters.end(), parameters.begin(), parameters.end());
+    start.insert(start.end(), cause.values.data(), cause.values.data() + cause.values.size());
+  }
+  problem.start =
+      Eigen::Map<Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size()));
+  EffectFit fit;
+  fit.residual = residuals(recording(), layout,
+                           withValues(problem.simulation, problem.parameters, problem.start));
+  problem.tolerance = 1e-9;
+  problem.max_iterations = 60;
+  for (int pass = 0; pass < 4; ++pass) {  // scales are those of what is left
+    problem.scales = channelScales(layout, fit.residual);
+    fit = fitEffects(problem);
+    problem.start = fit.values;
+  }
+  return heldOutResiduals(problem, fit, SelectionOptions().folds);
+}
+
+TEST(Selection, SharesAreWhatTheOthersCannotMakeUpFor) {
+  const ResidualLayout layout = residualLayout(recording());
+  std::set<std::string> phases;
+  SelectionOptions options;
+  options.max_causes = 6;
+  const SelectionResult selection =
+      selectCauses(recording(), layout, nominal(), options,
+                   [&](const std::string& phase, double) { phases.insert(phase); });
+  ASSERT_GE(selection.causes.size(), 3u);
+  const ClaimRule rule(layout, options.least_share, options.seed);
+  for (std::size_t i = 0; i < selection.causes.size(); ++i) {
+    const Cause& cause = selection.causes[i];
+    const LossComparison expected =
+        rule.compare(without(layout, selection, i), selection.held_out_residual);
+    EXPECT_NEAR(cause.share, expected.share, 0.005)
+        << hypothesisLabel(cause.hypothesis, nominal().robot);
+    EXPECT_GE(cause.share, options.least_share);
+  }
+  // Every pass over the causes says so: there it can be stopped.
+  std::size_t passes = 0;
+  for (const std::string& phase : phases) passes += phase.find("dropped in turn") != phase.npos;
+  EXPECT_GE(passes, 1u);
+}
+
+}  // namespace
+}  // namespace raven_correction
