@@ -268,7 +268,7 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
   model.input_hash = hash.text();
   model.id = makeId(now, model.input_hash);
   model.configuration = config.text;
-  model.training_pairs = kept.size();
+  model.training_pairs = kept.size() - result.out_of_reach;
   model.training_trajectories = trajectories.size();
   return result;
 }

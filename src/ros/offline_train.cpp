@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "raven_correction/correction/training.h"
 #include "raven_correction/error.h"
@@ -76,20 +77,25 @@ void train(const Arguments& arguments) {
   const TrainingResult result =
       train(dataset, config, static_cast<double>(now.count()), showProgress);
   writeModelFile(result.model, arguments.output, arguments.force);
-  std::fputs(trainingText(result).c_str(), stdout);
   std::printf("model %s written to %s\n", result.model.id.c_str(), arguments.output.c_str());
+  // Where trajectories were left out, judging costs nothing; else a page is worth another training.
+  std::optional<TrainingPage> page;
+  if (!arguments.report.empty() || !arguments.hold_out.empty()) {
+    page = pageOf(result, all, dataset, config, arguments.hold_out);
+    page->model_file = arguments.output;
+  }
+  const TrainingPage* const judged = page ? &*page : nullptr;
+  std::fputs(trainingText(result, judged).c_str(), stdout);
   if (!arguments.json.empty())
-    writeTextFile(arguments.json, trainingJson(result, arguments.output));
+    writeTextFile(arguments.json, trainingJson(result, arguments.output, judged));
   if (arguments.report.empty()) return;
-  TrainingPage page = pageOf(result, all, dataset, config, arguments.hold_out);
-  page.model_file = arguments.output;
   RunRecord run = recordRun(arguments.inputs);
   run.settings = {{"configuration", arguments.config.empty() ? "config/trainer.yaml of the package"
                                                              : arguments.config},
                   {"simulation", arguments.simulation.empty() ? "that of the configuration, or none"
                                                               : arguments.simulation},
                   {"seed", std::to_string(config.process.seed)}};
-  writeTextFile(arguments.report, trainingHtml(result, page, run));
+  writeTextFile(arguments.report, trainingHtml(result, *page, run));
 }
 
 }  // namespace

@@ -46,6 +46,26 @@ TEST(Physics, OfTheRobotItselfLeavesLessThanTheRigidStep) {
   EXPECT_EQ(result.model.physics.timing.delay, result.model.delay);
 }
 
+// Of a robot that stands a little off, some observed poses are out of reach: these are not counted
+// as learnt from.
+TEST(Physics, CountsThePairsThatAreLearntFrom) {
+  SimulationConfig off = robot();
+  off.set(makeEffect("base_registration", off.robot));
+  TrainingConfig config = quick(false);
+  std::size_t out_of_reach = 0;
+  for (double shift = 0.01; out_of_reach == 0 && shift < 0.1; shift += 0.01) {
+    std::unique_ptr<Effect> effect = makeEffect("base_registration", off.robot);
+    effect->setValue(2, shift);
+    off.set(std::move(effect));
+    config.simulation = std::make_shared<const SimulationConfig>(off);
+    const TrainingResult result = train(session(), config, 1.0);
+    out_of_reach = result.out_of_reach;
+    EXPECT_EQ(result.model.training_pairs, result.fates[Fate::kKept] - result.out_of_reach);
+    EXPECT_EQ(result.process.rows, static_cast<int>(result.model.training_pairs));
+  }
+  EXPECT_GT(out_of_reach, 0u);
+}
+
 // What was recorded a day before does not make the robot a day older.
 TEST(Physics, TheAgeIsThatOfTheLastSession) {
   constexpr double kDay = 86400.0;

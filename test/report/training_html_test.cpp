@@ -32,7 +32,7 @@ TEST(TrainingHtml, IsWellFormedAndSaysTheNumbersOfTheJson) {
   EXPECT_LT(html.size(), 1000000u);
   EXPECT_TRUE(contains(html, "&lt;model&gt;.bag"));
   EXPECT_EQ(count(html, "<em>Good:</em>"), count(html, "<figure>"));
-  const auto json = nlohmann::json::parse(trainingJson(trained.training, page.model_file));
+  const auto json = nlohmann::json::parse(trainingJson(trained.training, page.model_file, &page));
   EXPECT_TRUE(contains(html, format("%.1f ms", 1e3 * json["delay_s"].get<double>())));
   EXPECT_TRUE(
       contains(html, format("%.2f mm, %.2f deg", json["rigid"]["rms_position_mm"].get<double>(),
@@ -40,7 +40,53 @@ TEST(TrainingHtml, IsWellFormedAndSaysTheNumbersOfTheJson) {
   for (const auto& [reason, number] : json["cleaning"]["rejected"].items())
     EXPECT_TRUE(
         contains(html, reason + "</td><td class=\"number\">" + std::to_string(number.get<int>())));
-  EXPECT_TRUE(contains(html, format("%.2f", 1e3 * trained.full.position_norm)));
+  // The row of norms, whole; and the same numbers in the text.
+  std::string position, angle;
+  for (const char* const column : {"none", "rigid", "full"}) {
+    position += format("<td class=\"number\">%.2f</td>",
+                       json["held_out"][column]["position_norm_mm"].get<double>());
+    angle += format("<td class=\"number\">%.2f</td>",
+                    json["held_out"][column]["angle_norm_deg"].get<double>());
+    EXPECT_TRUE(contains(
+        trainingText(trained.training, &page),
+        format("%.2f mm, %.2f deg", json["held_out"][column]["position_norm_mm"].get<double>(),
+               json["held_out"][column]["angle_norm_deg"].get<double>())));
+  }
+  EXPECT_TRUE(contains(html, "<td>norm [mm]</td>" + position)) << position;
+  EXPECT_TRUE(contains(html, "<td>norm [deg]</td>" + angle)) << angle;
+  EXPECT_EQ(json["held_out"]["n"], trained.full.n);
+  EXPECT_EQ(json["held_out"]["coverage95"].size(), 6u);
+  EXPECT_TRUE(contains(
+      html, format("%d of %d places that the robot was sent to are covered",
+                   json["coverage"]["covered"].get<int>(), json["coverage"]["cells"].get<int>())));
+  EXPECT_EQ(json["coverage"]["record_more"].size(), page.coverage.record_more.size());
+  EXPECT_FALSE(json.contains("physics"));
+  EXPECT_FALSE(contains(html, "diagnosed from"));
+  EXPECT_FALSE(nlohmann::json::parse(trainingJson(trained.training, "m")).contains("held_out"));
+}
+
+// Errors of a simulation that may have seen the trajectories do not pass for errors on new ones.
+TEST(TrainingHtml, SaysWhatPhysicsDoesAndWhatItMayHaveSeen) {
+  TrainingConfig config = quickTraining();
+  config.simulation = std::make_shared<const SimulationConfig>(
+      loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+  const ValidatedTraining trained = trainAndValidate(session(), config, nullptr, 0.0);
+  TrainingPage page;
+  page.held_out = trained.errors;
+  page.judged = trained.verdict;
+  page.coverage = workspaceCoverage(session(), config, trained.training.model.delay);
+  const std::string html = withPlainSpaces(trainingHtml(trained.training, page, {}));
+  EXPECT_EQ(problemsOf(html), "");
+  const auto json = nlohmann::json::parse(trainingJson(trained.training, "m", &page));
+  EXPECT_TRUE(contains(html, format("simulation %s leaves %.2f mm and %.2f deg",
+                                    json["physics"]["simulation"].get<std::string>().c_str(),
+                                    json["physics"]["rms_position_mm"].get<double>(),
+                                    json["physics"]["rms_angle_deg"].get<double>())));
+  EXPECT_TRUE(contains(html, format("%d more pairs are out of its reach",
+                                    json["physics"]["out_of_reach"].get<int>())));
+  EXPECT_TRUE(contains(html, "only if it was not diagnosed from them"));
+  EXPECT_FALSE(contains(html, "trajectories it has not seen"));
+  EXPECT_TRUE(contains(trainingText(trained.training, &page), "not diagnosed from them"));
 }
 
 TEST(WorkspaceCoverage, CountsWhatWasLearntFromAndSaysWhereToRecordMore) {
