@@ -279,6 +279,7 @@ FidelityResult compareFidelity(const Dataset& measured, const FidelityProblem& p
                               problem.hold_out.folds));
   FidelityResult result;
   result.trajectories = a.test.trajectories.size();
+  result.hold_out = problem.hold_out;
   result.rows = compareStatistics(a.statistics, b.statistics);
   const FateCounts measured_fates = fatesOf(a, problem.training);
   const FateCounts simulated_fates = fatesOf(b, problem.training);

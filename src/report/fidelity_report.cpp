@@ -25,10 +25,17 @@ Json ladderJson(const LadderValue& position, const LadderValue& angle) {
 
 }  // namespace
 
+std::string fidelitySplit(const FidelityResult& result) {
+  return format(
+      "Figures are of the %zu trajectories i with i %% %d == %d (counted from zero by start time): "
+      "a "
+      "test of the simulation where it was not fitted to these.",
+      result.trajectories, result.hold_out.folds, result.hold_out.fold);
+}
+
 std::string fidelityText(const FidelityResult& result) {
   std::string text =
-      format("%zu trajectories that the simulation was not fitted to\n\n%-62s %10s %10s\n",
-             result.trajectories, "quantity", "measured", "simulated");
+      fidelitySplit(result) + format("\n\n%-62s %10s %10s\n", "quantity", "measured", "simulated");
   for (const StatisticsRow& row : result.rows)
     text += format("%-62s %10.4g %10.4g %s\n", row.quantity.c_str(), row.measured, row.simulated,
                    row.unit.c_str());
@@ -78,6 +85,7 @@ std::string fidelityJson(const FidelityResult& result) {
     json["criteria"].push_back(entry);
   }
   json["trajectories"] = result.trajectories;
+  json["hold_out"] = {{"fold", result.hold_out.fold}, {"folds", result.hold_out.folds}};
   return json.dump(1) + "\n";
 }
 

@@ -117,12 +117,16 @@ TEST(WorkspaceCoverage, CountsWhatWasLearntFromAndSaysWhereToRecordMore) {
 TEST(FidelityHtml, IsWellFormedAndSaysWhatIsNotMet) {
   FidelityResult result;
   result.trajectories = 7;
+  result.hold_out = {2, 5};
   result.rows = {{"a <figure>", 1.25, std::nan(""), "mm"}};
   result.ladder = {{"none", {0.02, 0.018, 0.022}, {0.021, 0.02, 0.023}, {0.3, 0.2, 0.4}, {}}};
   result.criteria = {{"residual", -0.126, 0.15, "-"}, {"delay & co", 0.05, 0.01, "s"}};
   const std::string html = fidelityHtml(result, {}, {});
   EXPECT_EQ(problemsOf(html), "");
   EXPECT_TRUE(contains(html, "1 of 2 requirements are met on 7 trajectories"));
+  EXPECT_TRUE(contains(html, "the 7 trajectories i with i % 5 == 2"));
+  EXPECT_TRUE(contains(html, "where it was not fitted to these"));
+  EXPECT_FALSE(contains(html, "that the simulation was not fitted to"));
   EXPECT_TRUE(contains(html, "NOT MET"));
   EXPECT_TRUE(contains(html, ">20.00</text>"));
 }

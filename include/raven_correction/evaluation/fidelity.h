@@ -53,6 +53,7 @@ struct FidelityResult {
   std::vector<LadderStep> ladder;
   std::vector<FidelityCriterion> criteria;
   std::size_t trajectories = 0;  ///< that the figures come from
+  HoldOut hold_out;              ///< which those are
 };
 
 /// Simulates all trajectories one after the other (plays keep their history), then compares the
