@@ -49,8 +49,8 @@ class SimulatedCell {
   const CellReport& report() const noexcept { return report_; }
   /// Puts the arm back to rest at its homing position; reports go on from `start`.
   void reset(double start);
-  /// Goes on at `start` after the clock has jumped, with the arm where it is and what it holds.
-  /// Pending commands are forgotten.
+  /// Goes on at `start` after the clock has jumped, with the arm where it is and what it holds:
+  /// plays, lags, creep and shifts go on as if no time had passed. Pending commands are forgotten.
   void restart(double start);
 
   const SimulatedArm& arm() const noexcept { return arm_; }
