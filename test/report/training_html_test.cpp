@@ -41,19 +41,18 @@ TEST(TrainingHtml, IsWellFormedAndSaysTheNumbersOfTheJson) {
     EXPECT_TRUE(
         contains(html, reason + "</td><td class=\"number\">" + std::to_string(number.get<int>())));
   // The row of norms, whole; and the same numbers in the text.
-  std::string position, angle;
+  std::vector<std::string> position, angle;
   for (const char* const column : {"none", "rigid", "full"}) {
-    position += format("<td class=\"number\">%.2f</td>",
-                       json["held_out"][column]["position_norm_mm"].get<double>());
-    angle += format("<td class=\"number\">%.2f</td>",
-                    json["held_out"][column]["angle_norm_deg"].get<double>());
+    position.push_back(format("%.2f", json["held_out"][column]["position_norm_mm"].get<double>()));
+    angle.push_back(format("%.2f", json["held_out"][column]["angle_norm_deg"].get<double>()));
     EXPECT_TRUE(contains(
         trainingText(trained.training, &page),
         format("%.2f mm, %.2f deg", json["held_out"][column]["position_norm_mm"].get<double>(),
                json["held_out"][column]["angle_norm_deg"].get<double>())));
   }
-  EXPECT_TRUE(contains(html, "<td>norm [mm]</td>" + position)) << position;
-  EXPECT_TRUE(contains(html, "<td>norm [deg]</td>" + angle)) << angle;
+  const std::string errors = tableUnder(html, "Mean");
+  EXPECT_TRUE(contains(errors, rowOf("norm [mm]", position))) << errors;
+  EXPECT_TRUE(contains(errors, rowOf("norm [deg]", angle))) << errors;
   EXPECT_EQ(json["held_out"]["n"], trained.full.n);
   EXPECT_EQ(json["held_out"]["coverage95"].size(), 6u);
   EXPECT_TRUE(contains(
