@@ -2,7 +2,11 @@
 #include "raven_correction/report/diagnosis_html.h"
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 
 #include "raven_correction/error.h"
 #include "raven_correction/report/diagnosis_report.h"
@@ -101,6 +105,40 @@ TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
   }
   EXPECT_TRUE(contains(page, std::to_string(json["data"]["observations_thinned"].get<int>())));
   EXPECT_TRUE(json["depends_on_before"].contains("delay"));
+}
+
+/// All keys of a JSON value, but for names of parameters, of groups and of data counts.
+void collectKeys(const nlohmann::json& json, const std::string& parent,
+                 std::set<std::string>& keys) {
+  if (json.is_array())
+    for (const auto& element : json) collectKeys(element, parent, keys);
+  if (!json.is_object() || parent == "data") return;
+  const bool named = parent == "parameters" || parent.find("depends_on_") == 0;
+  for (const auto& [key, value] : json.items()) {
+    if (!named) keys.insert(key);
+    collectKeys(value, named ? "" : key, keys);
+  }
+}
+
+// The header is what users of the JSON read.
+TEST(DiagnosisJson, HasTheKeysOfItsHeader) {
+  std::ifstream file("include/raven_correction/report/diagnosis_report.h");
+  std::string header(std::istreambuf_iterator<char>(file), {});
+  header = header.substr(header.find("/// {\"causes\""));
+  header.resize(header.find("/// Joint data"));
+  std::set<std::string> promised, written;
+  const std::regex quoted("\"([a-z_0-9]+)\"");
+  for (std::sregex_iterator at(header.begin(), header.end(), quoted), end; at != end; ++at)
+    promised.insert((*at)[1]);
+  Verdict verdict = diagnosed().verdict;  // with everything that need not be there
+  verdict.aligned = true;
+  verdict.after_alignment = verdict.before;
+  Cause& cause = verdict.causes.front();
+  cause.equals = {cause.hypothesis};
+  cause.has_runner_up = true;
+  cause.runner_up = cause.hypothesis;
+  collectKeys(nlohmann::json::parse(diagnosisJson(verdict)), "", written);
+  EXPECT_EQ(written, promised);
 }
 
 // "elbow, before" stands beside "elbow, after": what can be compared has the same limits.

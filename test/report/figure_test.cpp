@@ -208,6 +208,20 @@ TEST(ShareLimits, MakesBeforeAndAfterComparable) {
   EXPECT_EQ(a.y.upper, b.y.upper);
   EXPECT_LT(a.y.lower, -5.0);
   EXPECT_EQ(labelsAtEnd(panelSvg(before)), labelsAtEnd(panelSvg(after)));
+  // Limits of its own are data like any other: the shared ones hold them.
+  before.y = after.y = Axis("error", "mm");
+  before.y.upper = 9.0;
+  shareLimits({&before, &after}, false, true);
+  EXPECT_EQ(limitsOf(after).y.upper, 9.0);
+  EXPECT_LT(limitsOf(before).y.lower, -5.0);
+  EXPECT_EQ(limitsOf(before).y.lower, limitsOf(after).y.lower);
+}
+
+TEST(Panel, IsDescribedByItsAxesWhereNothingElseIsSaid) {
+  Panel panel = everything();
+  EXPECT_TRUE(contains(panelSvg(panel), "<desc>error [mm] against speed [mm/s]</desc>"));
+  panel.description = "how fast, how wrong";
+  EXPECT_TRUE(contains(panelSvg(panel), "<desc>how fast, how wrong</desc>"));
 }
 
 TEST(LimitTo, KeepsWildValuesFromSqueezingTheRest) {
