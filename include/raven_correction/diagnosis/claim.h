@@ -17,7 +17,9 @@ namespace raven_correction {
 /// than noise could in a few of them: a limit that only the fastest motions reach.
 class ClaimRule {
  public:
+  /// @param layout       of the recording; referred to, so it has to outlive the rule
   /// @param least_share  of the held-out loss that a claim must gain [-]
+  /// @param seed         of the bootstrap of compare()
   ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed);
 
   /// The gain over typical motions must be beyond that of the best of `tried` useless hypotheses,
@@ -36,6 +38,16 @@ class ClaimRule {
   LossComparison compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
     return compare(without, with, without);
   }
+  /// Whether that gain is enough to claim what `with` has and `without` has not. At least
+  /// least_share of the loss, and then one of
+  ///
+  ///   typical  z_mean > 2.5 and z_typical beyond the threshold of setTried()
+  ///   few      z_mean > 1.6, the recording is quiet but for these (scale of `without` at most 1.5
+  ///            of the noise, in every channel), and a log likelihood ratio above 25: the sum over
+  ///            motions of (gain in mean loss) x (samples per channel) / 20, because about 20
+  ///            samples of motion capture in a row say as much as one independent one
+  ///
+  /// @param without, with  held-out residuals, layout.size each
   bool earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const;
 
  private:

@@ -22,16 +22,26 @@ namespace raven_correction {
 Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds,
                                  SimulatedSamples* simulated = nullptr);
 
-/// Whether `after` is better than `before`, motion by motion.
+/// Whether `after` is better than `before`, motion by motion: with n motions and
+/// d_i = before_i - after_i,
+///
+///   z_mean    = mean(d) / (sd(d) / sqrt(n))
+///   z_typical = mean(d) / (1.4826 median|d_i - median(d)| / sqrt(n))
+///
+/// The second has a robust deviation below: an effect that shows in few motions makes their d large
+/// and sd(d) with it, and must not count as noise. Its tails are heavier than Student's.
+/// Source of the robust deviation: Hampel 1974, doi:10.1080/01621459.1974.10482962
 struct LossComparison {
   double share = 0.0;  ///< mean(before - after) / mean(before) [-]
   double lower = 0.0;  ///< 95 % interval of the share, by bootstrap over motions
   double upper = 0.0;
-  double z_mean = 0.0;     ///< mean difference over its standard error
-  double z_typical = 0.0;  ///< the same with the spread of the middle half of the motions: an
-                           ///< effect that shows in few motions must not count as noise
+  double z_mean = 0.0;     ///< mean difference over its standard error [-]
+  double z_typical = 0.0;  ///< the same over the spread of the typical motion [-]
 };
-/// @param before, after  one loss per motion (motionLosses()); nan is left out
+/// @param before, after  one loss per motion (motionLosses()); a motion with nan in either is left
+///        out
+/// @param seed           of the bootstrap
+/// @return all zero for fewer than two motions, or where mean(before) is not above 0
 LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
                              std::uint64_t seed);
 

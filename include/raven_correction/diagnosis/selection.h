@@ -53,8 +53,18 @@ struct SelectionResult {
 /// Called with what is going on and how far it is, in [0, 1].
 using DiagnosisProgress = std::function<void(const std::string& phase, double fraction)>;
 
+/// Forward selection with removal, each step judged on held-out residuals (ClaimRule): screen() all
+/// hypotheses, fit the finalists beside the causes so far, take the best that earns its place, fit
+/// all again; when none does, fit to the end, and drop each cause in turn with all others fitted to
+/// the end, too. What does not earn its place then goes, the weakest first.
+/// @param layout      of the recording
 /// @param simulation  what is believed so far; its effects stay as they are
-/// @throws InvalidInput  fewer motions than folds
+/// @param progress    called from the calling thread before every pass; what it throws ends the
+/// work
+/// @return residuals have layout.size numbers; without causes all three are the same
+/// @throws InvalidInput  fewer motions than folds, or fewer than two folds
+/// Source of the steps: Efroymson 1960, Multiple regression analysis, in Ralston, Wilf (eds.),
+///         Mathematical methods for digital computers
 SelectionResult selectCauses(const Recording& recording, const ResidualLayout& layout,
                              const SimulationConfig& simulation, const SelectionOptions& options,
                              const DiagnosisProgress& progress = {});

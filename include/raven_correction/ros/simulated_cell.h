@@ -78,6 +78,8 @@ class SimulatedCell {
 /// the instruments of the other arms are where they are at that instant, and hide what is behind
 /// them from the cameras, where the robots share a base frame. So reports do not depend on how
 /// often one asks.
+/// @param cells  none null, none twice; report() of each says what was reported meanwhile
+/// @param time   to move on to [s]; one before the last of a cell adds nothing to its reports
 void advanceTogether(const std::vector<SimulatedCell*>& cells, double time);
 
 }  // namespace raven_correction
