@@ -74,10 +74,7 @@ class Fold {
     rigid_ = train(training_, config, 0.0).model;
     config.simulation = simulation_;
     physics_ = train(training_, config, 0.0);
-    SynchronisationOptions gaps;
-    gaps.max_gap = config.max_gap;
-    gaps.max_gap_periods = config.max_gap_periods;
-    max_gap_ = commandGapLimit(training_, gaps);
+    max_gap_ = commandGapLimit(training_, config);
     clean_ = cleanStates(statesOf(rigid_), rigid_.rigid, problem.gates);
     if (std::find(clean_.begin(), clean_.end(), true) == clean_.end())
       throw InvalidInput(

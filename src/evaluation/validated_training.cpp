@@ -103,10 +103,7 @@ ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig&
   if (progress) progress("validating", 0.9);
 
   Correction& model = result.training.model;
-  SynchronisationOptions gaps;
-  gaps.max_gap = config.max_gap;
-  gaps.max_gap_periods = config.max_gap_periods;
-  const double max_gap = commandGapLimit(dataset, gaps);
+  const double max_gap = commandGapLimit(dataset, config);
   const CleanStates judged = statesFor(model, held_out, max_gap);
   result.errors = errorsOn(judged, model);
   result.none = summarise(result.errors.none);

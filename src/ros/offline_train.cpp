@@ -28,10 +28,7 @@ struct Arguments {
 TrainingPage pageOf(const TrainingResult& result, const Dataset& all, const Dataset& learnt,
                     const TrainingConfig& config, const std::string& hold_out) {
   TrainingPage page;
-  SynchronisationOptions gaps;
-  gaps.max_gap = config.max_gap;
-  gaps.max_gap_periods = config.max_gap_periods;
-  const double max_gap = commandGapLimit(all, gaps);
+  const double max_gap = commandGapLimit(all, config);
   if (!hold_out.empty()) {
     const Dataset left_out = selectFold(all, parseHoldOut(hold_out), true);
     page.held_out = heldOutErrors(result.model, left_out, max_gap);
