@@ -79,7 +79,7 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
         simulated->joints.col(column) = samples.joints.col(column);
         simulated->orientation.col(column) = samples.orientation.col(column);
       }
-      const int size = layout.channels[static_cast<std::size_t>(block.channel)].size;
+      const int size = layout.sizeOf(block);
       result.segment(block.offset, size) = there.segment(block.offset, size);
     }
   });

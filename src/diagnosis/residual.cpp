@@ -28,14 +28,6 @@ bool isRevolute(const KinematicChain& robot, int joint) {
   return robot.joints()[static_cast<std::size_t>(joint)].type == JointType::kRevolute;
 }
 
-int sizeOf(const ResidualLayout& layout, const ResidualBlock& block) {
-  return layout.channels[static_cast<std::size_t>(block.channel)].size;
-}
-
-bool used(const std::vector<bool>& use, int motion) {
-  return use.empty() || use[static_cast<std::size_t>(motion)];
-}
-
 /// Difference of two joint vectors, revolute joints modulo a turn.
 JointVector jointDifference(const KinematicChain& robot, const JointVector& a,
                             const JointVector& b) {
@@ -167,7 +159,7 @@ Eigen::VectorXd channelScales(const ResidualLayout& layout, const Eigen::VectorX
                               const std::vector<bool>& use) {
   std::vector<std::vector<double>> values(layout.channels.size());
   for (const ResidualBlock& block : layout.blocks) {
-    if (!used(use, block.motion)) continue;
+    if (!isUsed(use, block.motion)) continue;
     const auto c = static_cast<std::size_t>(block.channel);
     for (int i = 0; i < layout.channels[c].size; ++i)
       values[c].push_back(std::abs(residual(block.offset + i)));
@@ -195,7 +187,7 @@ Eigen::VectorXd motionLosses(const ResidualLayout& layout, const Eigen::VectorXd
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(channels, layout.motions);
   Eigen::MatrixXd count = Eigen::MatrixXd::Zero(channels, layout.motions);
   for (const ResidualBlock& block : layout.blocks) {
-    const int size = sizeOf(layout, block);
+    const int size = layout.sizeOf(block);
     const double s = residual.segment(block.offset, size).norm() / scales(block.channel);
     sum(block.channel, block.motion) += huber(s, blockThreshold(size)) / size;
     count(block.channel, block.motion) += 1.0;
@@ -216,7 +208,7 @@ Eigen::VectorXd motionLosses(const ResidualLayout& layout, const Eigen::VectorXd
 
 Eigen::VectorXd channelWeights(const ResidualLayout& layout) {
   Eigen::VectorXd count = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.channels.size()));
-  for (const ResidualBlock& block : layout.blocks) count(block.channel) += sizeOf(layout, block);
+  for (const ResidualBlock& block : layout.blocks) count(block.channel) += layout.sizeOf(block);
   const double mean = count.mean();
   return count.unaryExpr([&](double n) { return n > 0.0 ? mean / n : 0.0; });
 }
@@ -226,7 +218,7 @@ Eigen::VectorXd rowWeights(const ResidualLayout& layout, const Eigen::VectorXd& 
   const Eigen::VectorXd channel = channelWeights(layout);
   Eigen::VectorXd weights(layout.size);
   for (const ResidualBlock& block : layout.blocks) {
-    const int size = sizeOf(layout, block);
+    const int size = layout.sizeOf(block);
     const double scale = scales(block.channel);
     const double s = residual.segment(block.offset, size).norm() / scale;
     const double threshold = blockThreshold(size);
@@ -242,7 +234,7 @@ ErrorSizes errorSizes(const ResidualLayout& layout, const Eigen::VectorXd& resid
   std::vector<std::vector<double>> lengths(layout.channels.size());
   for (const ResidualBlock& block : layout.blocks) {
     const auto c = static_cast<std::size_t>(block.channel);
-    if (used(use, block.motion) && !layout.channels[c].encoder)
+    if (isUsed(use, block.motion) && !layout.channels[c].encoder)
       lengths[c].push_back(residual.segment(block.offset, layout.channels[c].size).norm());
   }
   ErrorSizes sizes;

@@ -35,7 +35,17 @@ struct ResidualLayout {
   std::vector<ResidualBlock> blocks;  ///< motion by motion, by stamp
   Eigen::Index size = 0;
   int motions = 0;
+
+  /// Components of a block: those of its channel.
+  int sizeOf(const ResidualBlock& block) const {
+    return channels[static_cast<std::size_t>(block.channel)].size;
+  }
 };
+/// @param use  one per motion: which to look at; empty: all
+inline bool isUsed(const std::vector<bool>& use, int motion) {
+  return use.empty() || use[static_cast<std::size_t>(motion)];
+}
+
 ResidualLayout residualLayout(const Recording& recording);
 
 /// What a simulation says of every sample: one column per block, that of all channels of a sample
