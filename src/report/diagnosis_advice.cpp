@@ -4,6 +4,7 @@
 #include <array>
 
 #include "diagnosis_words.h"
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 

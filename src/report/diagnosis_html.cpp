@@ -5,6 +5,7 @@
 #include "diagnosis_figures.h"
 #include "diagnosis_words.h"
 #include "health_html.h"
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 

@@ -2,6 +2,7 @@
 #include "raven_correction/report/diagnosis_report.h"
 
 #include "diagnosis_words.h"
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 

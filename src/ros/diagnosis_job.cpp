@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
 
 namespace raven_correction {

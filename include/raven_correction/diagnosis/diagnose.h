@@ -88,8 +88,4 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
                  const std::vector<bool>& prismatic, const DiagnosisOptions& options,
                  const DiagnosisProgress& progress = {});
 
-/// What would separate two causes that this recording cannot tell apart; general advice where no
-/// better is known.
-std::string separatingRecording(const std::string& effect, const std::string& other);
-
 }  // namespace raven_correction
