@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <random>
 
 #include "raven_correction/diagnosis/learnable.h"
 #include "raven_correction/diagnosis/noise_floor.h"
@@ -79,16 +78,17 @@ Gain gainOf(const ResidualLayout& layout, const Eigen::VectorXd& before,
   };
   Gain result;
   result.value = gain(Eigen::VectorXd::Ones(layout.motions));
-  std::mt19937_64 engine(seed);
-  std::uniform_int_distribution<int> draw(0, layout.motions - 1);
   std::vector<double> gains;
-  for (int i = 0; i < kResamples; ++i) {
-    Eigen::VectorXd weight = Eigen::VectorXd::Zero(layout.motions);
-    for (int m = 0; m < layout.motions; ++m) weight(draw(engine)) += 1.0;
-    gains.push_back(gain(weight));
-  }
-  result.lower = quantile(gains, 0.025);
-  result.upper = quantile(std::move(gains), 0.975);
+  bootstrapOverGroups(static_cast<std::size_t>(layout.motions), kResamples, seed,
+                      [&](const std::vector<std::size_t>& drawn) {
+                        Eigen::VectorXd weight = Eigen::VectorXd::Zero(layout.motions);
+                        for (const std::size_t m : drawn)
+                          weight(static_cast<Eigen::Index>(m)) += 1.0;
+                        gains.push_back(gain(weight));
+                      });
+  const Interval interval = interval95(gains);
+  result.lower = interval.lower;
+  result.upper = interval.upper;
   return result;
 }
 

@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "parallel.h"
 #include "raven_correction/geometry/statistics.h"
@@ -107,20 +106,18 @@ LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorX
   for (const double d : difference) away.push_back(std::abs(d - middle));
   result.z_typical = gain / (1.4826 * median(away) / root + tiny);
 
-  std::mt19937_64 engine(seed);
-  std::uniform_int_distribution<std::size_t> draw(0, n - 1);
   std::vector<double> shares;
-  for (int i = 0; i < kResamples; ++i) {
+  bootstrapOverGroups(n, kResamples, seed, [&](const std::vector<std::size_t>& drawn) {
     double total = 0.0, gained = 0.0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t at = draw(engine);
+    for (const std::size_t at : drawn) {
       total += base[at];
       gained += difference[at];
     }
     shares.push_back(gained / total);
-  }
-  result.lower = quantile(shares, 0.025);
-  result.upper = quantile(std::move(shares), 0.975);
+  });
+  const Interval interval = interval95(shares);
+  result.lower = interval.lower;
+  result.upper = interval.upper;
   return result;
 }
 
