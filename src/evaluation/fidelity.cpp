@@ -276,6 +276,7 @@ FidelityResult compareFidelity(const Dataset& measured, const FidelityProblem& p
   FidelityResult result;
   result.trajectories = a.test.trajectories.size();
   result.hold_out = problem.hold_out;
+  result.overlap = overlapOf(problem.simulation, a.test);
   result.rows = compareStatistics(a.statistics, b.statistics);
   const FateCounts measured_fates = fatesOf(a, problem.training);
   const FateCounts simulated_fates = fatesOf(b, problem.training);

@@ -26,11 +26,14 @@ Json ladderJson(const LadderValue& position, const LadderValue& angle) {
 }  // namespace
 
 std::string fidelitySplit(const FidelityResult& result) {
-  return format(
-      "Figures are of the %zu trajectories i with i %% %d == %d (counted from zero by start time): "
-      "a "
-      "test of the simulation where it was not fitted to these.",
+  const std::string which = format(
+      "Figures are of the %zu trajectories i with i %% %d == %d (counted from zero by start time)",
       result.trajectories, result.hold_out.folds, result.hold_out.fold);
+  if (result.overlap.independent()) return which + ": the simulation was fitted to none of them.";
+  if (result.overlap.known)
+    return which + format(": the simulation was fitted to %zu of them, so they flatter it.",
+                          result.overlap.seen);
+  return which + ": a test of the simulation where it was not fitted to these.";
 }
 
 std::string fidelityText(const FidelityResult& result) {

@@ -70,7 +70,7 @@ void appendVerdict(const TrainingResult& result, const TrainingPage& page, const
       result.model.training_pairs, result.model.training_trajectories, kPercent * kept / all));
   found.push_back(page.judged);
   if (!result.simulation.empty()) {
-    found.push_back(physicsCaveat(result));
+    found.push_back(physicsCaveat(result, page));
     found.push_back(physicsText(result));
   }
   found.push_back(format("%zu of %zu places that the robot was sent to are covered.",
@@ -98,8 +98,8 @@ void appendVerdict(const TrainingResult& result, const TrainingPage& page, const
         "The predicted intervals promise too much on trajectories not seen: record "
         "more motions, rather than longer ones.");
   // What the process has not seen, its simulation may have.
-  const char* const on = result.simulation.empty() ? "On trajectories it has not seen"
-                                                   : "On trajectories left out of its fit";
+  const char* const on = isJudgedFairly(result, page) ? "On trajectories it has not seen"
+                                                      : "On trajectories left out of its fit";
   document.verdict(helps ? Tone::kGood : Tone::kWarning,
                    format("%s, the correction turns %.1f mm and %.1f deg into %.2f mm and "
                           "%.2f deg.",
@@ -125,7 +125,7 @@ void appendHeldOut(const TrainingResult& result, const TrainingPage& page, const
                    HtmlDocument& document) {
   document.section("Errors on trajectories left out");
   document.paragraph(page.judged);
-  if (!result.simulation.empty()) document.paragraph(physicsCaveat(result));
+  if (!result.simulation.empty()) document.paragraph(physicsCaveat(result, page));
   HtmlTable table;
   table.caption =
       "Mean \xC2\xB1 standard deviation of the absolute error of the predicted command.";

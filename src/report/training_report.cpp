@@ -49,8 +49,22 @@ Json coverageJson(const WorkspaceCoverage& coverage) {
 
 }  // namespace
 
-std::string physicsCaveat(const TrainingResult& result) {
+bool isJudgedFairly(const TrainingResult& result, const TrainingPage& page) {
+  return result.simulation.empty() || (page.overlap && page.overlap->independent());
+}
+
+std::string physicsCaveat(const TrainingResult& result, const TrainingPage& page) {
   if (result.simulation.empty()) return "";
+  if (isJudgedFairly(result, page))
+    return format(
+        "The simulation %s, which comes before the process, was fitted to none of these %zu "
+        "trajectories either.",
+        result.simulation.c_str(), page.overlap->of);
+  if (page.overlap && page.overlap->known)
+    return format(
+        "The simulation %s, which comes before the process, was fitted to %zu of these %zu "
+        "trajectories: there the errors flatter it (diagnose --hold-out leaves the same ones out).",
+        result.simulation.c_str(), page.overlap->seen, page.overlap->of);
   return format(
       "The simulation %s comes before the process: these errors are of trajectories not seen only "
       "if it was not diagnosed from them (diagnose --hold-out leaves the same ones out).",
@@ -99,7 +113,7 @@ std::string trainingText(const TrainingResult& result, const TrainingPage* page)
                  normsText("rigid step", summarise(page->held_out.rigid)).c_str(),
                  normsText("all steps", full).c_str());
   text += "              " + page->judged + "\n";
-  if (!result.simulation.empty()) text += "              " + physicsCaveat(result) + "\n";
+  if (!result.simulation.empty()) text += "              " + physicsCaveat(result, *page) + "\n";
   text += format("coverage      %zu of %zu places that the robot was sent to\n",
                  page->coverage.covered, page->coverage.cells.size());
   return text;

@@ -46,6 +46,10 @@ TrainingPage pageOf(const TrainingResult& result, const Dataset& all, const Data
         "every fifth of them was judged on those %zu.",
         left_out.trajectories.size());
   }
+  if (config.simulation)
+    page.overlap =
+        overlapOf(*config.simulation,
+                  selectFold(all, hold_out.empty() ? HoldOut{0, 5} : parseHoldOut(hold_out), true));
   page.coverage = workspaceCoverage(learnt, config, result.model.delay);
   page.streams = streamHealth(all);
   return page;

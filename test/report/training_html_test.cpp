@@ -86,6 +86,14 @@ TEST(TrainingHtml, SaysWhatPhysicsDoesAndWhatItMayHaveSeen) {
   EXPECT_TRUE(contains(html, "only if it was not diagnosed from them"));
   EXPECT_FALSE(contains(html, "trajectories it has not seen"));
   EXPECT_TRUE(contains(trainingText(trained.training, &page), "not diagnosed from them"));
+  page.overlap = SimulationOverlap{true, 0, 3};  // it says what it was fitted to, and not to these
+  const std::string fair = withPlainSpaces(trainingHtml(trained.training, page, {}));
+  EXPECT_TRUE(contains(fair, "fitted to none of these 3"));
+  EXPECT_TRUE(contains(fair, "trajectories it has not seen"));
+  page.overlap->seen = 2;
+  const std::string leaks = withPlainSpaces(trainingHtml(trained.training, page, {}));
+  EXPECT_TRUE(contains(leaks, "fitted to 2 of these 3 trajectories"));
+  EXPECT_FALSE(contains(leaks, "trajectories it has not seen"));
 }
 
 TEST(WorkspaceCoverage, CountsWhatWasLearntFromAndSaysWhereToRecordMore) {

@@ -9,8 +9,7 @@
 
 namespace raven_correction {
 
-/// Which trajectories the figures are of, and when they test the simulation: what it was fitted to
-/// is not known here.
+/// Which trajectories the figures are of, and whether they test the simulation.
 std::string fidelitySplit(const FidelityResult& result);
 
 /// All figures side by side, the ladder of Table I with its intervals, and which requirements are

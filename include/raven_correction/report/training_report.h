@@ -3,6 +3,7 @@
 // the same as a page with figures training_html.h.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,16 @@ struct TrainingPage {
   std::string model_file;
   HeldOutErrors held_out;  ///< of trajectories that the judged model's fit has not seen
   std::string judged;      ///< which model was judged on which trajectories, a sentence
+  std::optional<SimulationOverlap> overlap;  ///< of the simulation with them; empty: not looked
   WorkspaceCoverage coverage;
   std::vector<StreamHealth> streams;
 };
 
 /// Whether the errors on trajectories left out are errors on trajectories not seen: a simulation
 /// knows those that it was diagnosed from. A sentence; empty where physics is not the mean.
-std::string physicsCaveat(const TrainingResult& result);
+std::string physicsCaveat(const TrainingResult& result, const TrainingPage& page);
+/// Nothing of the model has seen the trajectories that it was judged on.
+bool isJudgedFairly(const TrainingResult& result, const TrainingPage& page);
 
 /// Data, cleaning, rigid step, physics, kernels; held-out errors where there is a page. mm and deg.
 std::string trainingText(const TrainingResult& result, const TrainingPage* page = nullptr);
