@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
 #include <set>
 
 #include "diagnosis/fixtures.h"
@@ -60,6 +62,33 @@ Eigen::VectorXd without(const ResidualLayout& layout, const SelectionResult& sel
     problem.start = fit.values;
   }
   return heldOutResiduals(problem, fit, SelectionOptions().folds);
+}
+
+// A useless hypothesis passes as often as the threshold says, and not four times as often.
+TEST(ClaimRule, TheThresholdHasItsChance) {
+  constexpr int kMotions = 12, kTrials = 6000;
+  constexpr double kChance = 0.01;
+  const double threshold = typicalThreshold(kChance, kMotions);
+  std::mt19937_64 engine(9);
+  std::normal_distribution<double> normal;
+  int beyond = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Eigen::VectorXd before = Eigen::VectorXd::Constant(kMotions, 10.0);
+    Eigen::VectorXd after = before;
+    for (Eigen::Index m = 0; m < kMotions; ++m) after(m) -= normal(engine);
+    beyond += compareLosses(before, after, 1).z_typical > threshold;
+  }
+  // Four deviations of a count of 60.
+  EXPECT_NEAR(beyond, kChance * kTrials, 4.0 * std::sqrt(kChance * kTrials));
+}
+
+TEST(ClaimRule, TheThresholdBecomesTheNormalQuantile) {
+  EXPECT_NEAR(typicalThreshold(0.01, 4000), 2.326, 0.02);
+  EXPECT_EQ(typicalThreshold(1e-4, 40), typicalThreshold(1e-4, 40));
+  EXPECT_GT(typicalThreshold(1e-4, 40), typicalThreshold(1e-3, 40));
+  EXPECT_GT(typicalThreshold(1e-4, 10), typicalThreshold(1e-4, 40));
+  EXPECT_GT(typicalThreshold(1e-4, 40), typicalThreshold(1e-4, 400));
+  EXPECT_FALSE(std::isfinite(typicalThreshold(1e-4, 1)));
 }
 
 TEST(Selection, SharesAreWhatTheOthersCannotMakeUpFor) {

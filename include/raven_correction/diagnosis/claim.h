@@ -12,6 +12,20 @@
 
 namespace raven_correction {
 
+/// The z_typical (LossComparison) that a useless hypothesis exceeds with this probability, where
+/// the differences of the n motions are independent, normal and of mean 0. The mean of normal
+/// numbers is independent of their distances from one another, so with s the robust deviation of n
+/// of them, and Q the upper tail of the normal distribution,
+///
+///   P(z_typical > t) = E[Q(t s)],
+///
+/// whose expectation is that over simulated lists (fixed seed), and which is solved for t by
+/// bisection. For many motions it is the normal quantile; with ten of them s is often small, and
+/// the tail far heavier than Student's.
+/// @param chance  in (0, 0.5) [-]
+/// @return infinity for fewer than two motions
+double typicalThreshold(double chance, int motions);
+
 /// Every claim has to pass this, of a new cause or of one that stays. Either it is a gain beyond
 /// chance over motions; or, where nothing but noise is left of most motions, it explains far more
 /// than noise could in a few of them: a limit that only the fastest motions reach.
@@ -23,7 +37,8 @@ class ClaimRule {
   ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed);
 
   /// The gain over typical motions must be beyond that of the best of `tried` useless hypotheses,
-  /// but for a chance of `significance`. Until then no gain is enough.
+  /// but for a chance of `significance` (typicalThreshold() of it over `tried`). Until then no gain
+  /// is enough.
   void setTried(std::size_t tried, double significance);
 
   /// Noise from frame to frame, one per channel (noiseFloor()). Until then no recording is quiet.
