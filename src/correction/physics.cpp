@@ -37,11 +37,14 @@ double medianCommandPeriod(const Dataset& dataset) {
   return periods.empty() ? 0.0 : median(std::move(periods));
 }
 
-/// From the first command of the session to the last.
+/// From the first command of the last session to its last.
 double durationOf(const Dataset& dataset) {
   double first = 0.0, last = 0.0;
   bool any = false;
-  for (const Trajectory& trajectory : dataset.trajectories) {
+  const std::vector<std::size_t> sessions = sessionStarts(dataset);
+  for (std::size_t i = sessions.empty() ? 0 : sessions.back(); i < dataset.trajectories.size();
+       ++i) {
+    const Trajectory& trajectory = dataset.trajectories[i];
     if (trajectory.commands.empty()) continue;
     const double begin = trajectory.commands.front().stamp, end = trajectory.commands.back().stamp;
     first = any ? std::min(first, begin) : begin;

@@ -46,14 +46,18 @@ std::string makeId(double now, const std::string& hash) {
   return std::string(text) + "-" + hash.substr(hash.size() - 6);
 }
 
+SynchronisationOptions synchronisationOf(const TrainingConfig& config) {
+  SynchronisationOptions options;
+  options.max_gap = config.max_gap;
+  options.max_gap_periods = config.max_gap_periods;
+  return options;
+}
+
 double resolveDelay(const Dataset& dataset, const TrainingConfig& config, DelayResult& estimate) {
   if (!config.estimate_delay) return config.fixed_delay;
   DelayProblem problem;
   problem.max = config.delay_max;
-  SynchronisationOptions gaps;
-  gaps.max_gap = config.max_gap;
-  gaps.max_gap_periods = config.max_gap_periods;
-  problem.max_gap = commandGapLimit(dataset, gaps);
+  problem.max_gap = commandGapLimit(dataset, config);
   if (!(problem.max_gap > 0.0)) return 0.0;  // synchronise() will say what is missing
   estimate = estimateDelay(dataset, problem);
   return estimate.delay;
@@ -141,11 +145,13 @@ Dataset selectFold(const Dataset& dataset, const HoldOut& hold_out, bool tests) 
   return selected;
 }
 
+double commandGapLimit(const Dataset& dataset, const TrainingConfig& config) {
+  return commandGapLimit(dataset, synchronisationOf(config));
+}
+
 TrainingPairs makePairs(const Dataset& dataset, const TrainingConfig& config, double delay) {
-  SynchronisationOptions options;
+  SynchronisationOptions options = synchronisationOf(config);
   options.delay = delay;
-  options.max_gap = config.max_gap;
-  options.max_gap_periods = config.max_gap_periods;
   const std::vector<SynchronisedTrajectory> trajectories = synchronise(dataset, options);
   TrainingPairs pairs;
   MotionOptions speed_options;  // of the speed limits: the same whatever the features are
@@ -268,7 +274,7 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
   model.input_hash = hash.text();
   model.id = makeId(now, model.input_hash);
   model.configuration = config.text;
-  model.training_pairs = kept.size();
+  model.training_pairs = kept.size() - result.out_of_reach;
   model.training_trajectories = trajectories.size();
   return result;
 }

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <vector>
 
-#include "raven_correction/diagnosis/dependence.h"
+#include "raven_correction/geometry/statistics.h"
 
 namespace raven_correction {
 namespace {
@@ -15,26 +17,43 @@ constexpr double kFewMotions = 1.6;   // z over motions of a cause that shows in
 constexpr double kLeastEvidence = 25.0;      // log likelihood ratio for it, in independent samples
 constexpr double kCorrelatedSamples = 20.0;  // so many of motion capture count as one
 constexpr double kQuiet = 1.5;               // residual over noise floor of a quiet recording [-]
+constexpr int kSimulatedNumbers = 4000000;   // of the null distribution of z_typical, about
+constexpr int kFewestLists = 2000, kMostLists = 40000;
+constexpr std::uint64_t kNullSeed = 20140818;  // fixed: a threshold is the same in every run
 
-/// The value that a variable of Student's distribution exceeds with probability p: the normal
-/// quantile, by bisection, and Wallace's relation of the two. Source: Wallace 1959,
-/// doi:10.1214/aoms/1177706089
-double studentQuantile(double p, double freedom) {
-  double low = 0.0, high = 40.0;
-  for (int i = 0; i < 100; ++i) {
-    const double z = 0.5 * (low + high);
-    (0.5 * std::erfc(z / std::sqrt(2.0)) > p ? low : high) = z;
+/// Robust deviations, 1.4826 times the median distance from the median, of lists of n normal
+/// numbers of deviation 1.
+std::vector<double> robustDeviations(int n) {
+  const int count = std::clamp(kSimulatedNumbers / n, kFewestLists, kMostLists);
+  std::mt19937_64 engine(kNullSeed);
+  std::normal_distribution<double> normal;
+  std::vector<double> deviations, list(static_cast<std::size_t>(n));
+  for (int i = 0; i < count; ++i) {
+    for (double& value : list) value = normal(engine);
+    const double middle = median(list);
+    for (double& value : list) value = std::abs(value - middle);
+    deviations.push_back(1.4826 * median(list));
   }
-  const double scaled = low * (8.0 * freedom + 3.0) / (8.0 * freedom + 1.0);
-  return std::sqrt(freedom * std::expm1(scaled * scaled / freedom));
+  return deviations;
 }
 
 }  // namespace
 
-ClaimRule::ClaimRule(const Recording& recording, const ResidualLayout& layout, double least_share,
-                     std::uint64_t seed)
-    : recording_(recording),
-      layout_(layout),
+double typicalThreshold(double chance, int motions) {
+  if (motions < 2) return std::numeric_limits<double>::infinity();
+  const std::vector<double> deviations = robustDeviations(motions);
+  double low = 0.0, high = 1e6;
+  for (int i = 0; i < 100; ++i) {
+    const double z = 0.5 * (low + high);
+    double beyond = 0.0;
+    for (const double deviation : deviations) beyond += 0.5 * std::erfc(z * deviation / M_SQRT2);
+    (beyond > chance * static_cast<double>(deviations.size()) ? low : high) = z;
+  }
+  return low;
+}
+
+ClaimRule::ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed)
+    : layout_(layout),
       least_share_(least_share),
       seed_(seed),
       threshold_(std::numeric_limits<double>::infinity()),
@@ -45,7 +64,7 @@ ClaimRule::ClaimRule(const Recording& recording, const ResidualLayout& layout, d
 
 void ClaimRule::setTried(std::size_t tried, double significance) {
   const double chance = significance / static_cast<double>(std::max<std::size_t>(1, tried));
-  threshold_ = studentQuantile(chance, std::max(1, layout_.motions - 1));
+  threshold_ = typicalThreshold(chance, layout_.motions);
 }
 
 LossComparison ClaimRule::compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with,
@@ -67,11 +86,11 @@ bool ClaimRule::earns(const Eigen::VectorXd& without, const Eigen::VectorXd& wit
   return comparison.z_mean > kFewMotions && evidence > kLeastEvidence && isQuiet(without);
 }
 
-// The residual of most motions is no larger than their noise from sample to sample.
+// The residual of most motions is no larger than their noise from frame to frame.
 bool ClaimRule::isQuiet(const Eigen::VectorXd& residual) const {
-  const Eigen::VectorXd floor = noiseFloor(recording_, layout_, residual);
+  if (floor_.size() == 0) return false;
   const Eigen::VectorXd scale = channelScales(layout_, residual);
-  return ((scale.array() <= kQuiet * floor.array()) || (floor.array() == 0.0)).all();
+  return ((scale.array() <= kQuiet * floor_.array()) || (floor_.array() == 0.0)).all();
 }
 
 }  // namespace raven_correction

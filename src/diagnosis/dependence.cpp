@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "delay_dependence.h"
 #include "observed_samples.h"
@@ -248,7 +247,8 @@ Eigen::VectorXd squaresOfMotions(const std::vector<Sample>& samples, const Eigen
 
 DependenceResult residualDependence(const Recording& recording, const ResidualLayout& layout,
                                     const Eigen::VectorXd& residual, const Eigen::MatrixXd& joints,
-                                    int folds, std::uint64_t seed) {
+                                    const SimulatedSamples& simulated, int folds,
+                                    std::uint64_t seed) {
   DependenceResult result;
   const std::vector<Sample> samples = observedSamples(recording, layout, joints);
   if (samples.empty()) return result;
@@ -274,7 +274,8 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
       {"time", timeFeatures(samples)}};
   Eigen::MatrixXd velocity(targets.rows(), targets.cols());
   for (std::size_t i = 0; i < samples.size(); ++i)
-    velocity.row(static_cast<Eigen::Index>(i)) = simulatedVelocity(recording, samples[i]);
+    velocity.row(static_cast<Eigen::Index>(i)) =
+        simulatedVelocity(recording, samples[i], simulated);
   for (std::size_t k = 0; k < channel_of.size(); ++k)
     velocity.col(static_cast<Eigen::Index>(k)) /= scales(channel_of[k]);
   const DelayPrediction delay = delayPredictions(samples, whitened, velocity, folds);
@@ -305,44 +306,6 @@ DependenceResult residualDependence(const Recording& recording, const ResidualLa
       (layout.channels[c].unit == "m" ? result.position_rms : result.orientation_rms) = rmsOf(c);
   }
   return result;
-}
-
-Eigen::VectorXd noiseFloor(const Recording& recording, const ResidualLayout& layout,
-                           const Eigen::VectorXd& residual) {
-  struct Point {
-    double stamp;
-    Eigen::Index offset;
-  };
-  std::map<std::pair<int, int>, std::vector<Point>> series;  // by channel and motion
-  for (const ResidualBlock& block : layout.blocks)
-    series[{block.channel, block.motion}].push_back(
-        {recording.motions[static_cast<std::size_t>(block.motion)]
-             .observations[static_cast<std::size_t>(block.sample)]
-             .stamp,
-         block.offset});
-  std::vector<std::vector<double>> differences(layout.channels.size());
-  for (const auto& [key, points] : series) {
-    const auto c = static_cast<std::size_t>(key.first);
-    for (std::size_t i = 2; i < points.size(); ++i) {
-      const double a = points[i - 1].stamp - points[i - 2].stamp;
-      const double b = points[i].stamp - points[i - 1].stamp;
-      if (!(a > 0.0 && b > 0.0) || std::max(a, b) > 2.0 * std::min(a, b)) continue;
-      // The middle sample against the line between its neighbours, of variance 1 +
-      // (b^2+a^2)/(a+b)^2.
-      const double u = b / (a + b), v = a / (a + b);
-      for (int k = 0; k < layout.channels[c].size; ++k) {
-        const double away = residual(points[i - 1].offset + k) -
-                            u * residual(points[i - 2].offset + k) -
-                            v * residual(points[i].offset + k);
-        differences[c].push_back(std::abs(away) / std::sqrt(1.0 + u * u + v * v));
-      }
-    }
-  }
-  Eigen::VectorXd floor = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(differences.size()));
-  for (std::size_t c = 0; c < differences.size(); ++c)
-    if (!differences[c].empty())
-      floor(static_cast<Eigen::Index>(c)) = 1.4826 * median(std::move(differences[c]));
-  return floor;
 }
 
 }  // namespace raven_correction

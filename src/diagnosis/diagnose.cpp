@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <random>
 
 #include "raven_correction/diagnosis/learnable.h"
+#include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/statistics.h"
 
@@ -78,16 +78,17 @@ Gain gainOf(const ResidualLayout& layout, const Eigen::VectorXd& before,
   };
   Gain result;
   result.value = gain(Eigen::VectorXd::Ones(layout.motions));
-  std::mt19937_64 engine(seed);
-  std::uniform_int_distribution<int> draw(0, layout.motions - 1);
   std::vector<double> gains;
-  for (int i = 0; i < kResamples; ++i) {
-    Eigen::VectorXd weight = Eigen::VectorXd::Zero(layout.motions);
-    for (int m = 0; m < layout.motions; ++m) weight(draw(engine)) += 1.0;
-    gains.push_back(gain(weight));
-  }
-  result.lower = quantile(gains, 0.025);
-  result.upper = quantile(std::move(gains), 0.975);
+  bootstrapOverGroups(static_cast<std::size_t>(layout.motions), kResamples, seed,
+                      [&](const std::vector<std::size_t>& drawn) {
+                        Eigen::VectorXd weight = Eigen::VectorXd::Zero(layout.motions);
+                        for (const std::size_t m : drawn)
+                          weight(static_cast<Eigen::Index>(m)) += 1.0;
+                        gains.push_back(gain(weight));
+                      });
+  const Interval interval = interval95(gains);
+  result.lower = interval.lower;
+  result.upper = interval.upper;
   return result;
 }
 
@@ -107,8 +108,8 @@ bool isAlignment(const Cause& cause) {
 }
 
 /// Registration and tool frame alone, fitted anew, on motions held out.
-Eigen::VectorXd alignedResidual(const Recording& recording, const ResidualLayout& layout,
-                                const SimulationConfig& simulation, const Verdict& verdict) {
+SimulatedResidual alignedResidual(const Recording& recording, const ResidualLayout& layout,
+                                  const SimulationConfig& simulation, const Verdict& verdict) {
   EffectFitProblem problem;
   problem.recording = &recording;
   problem.layout = &layout;
@@ -126,7 +127,9 @@ Eigen::VectorXd alignedResidual(const Recording& recording, const ResidualLayout
       layout,
       residuals(recording, layout, withValues(simulation, problem.parameters, problem.start)));
   const EffectFit fit = fitEffects(problem);
-  return heldOutResiduals(problem, fit, verdict.folds);
+  SimulatedResidual aligned;
+  aligned.residual = heldOutResiduals(problem, fit, verdict.folds, &aligned.simulated);
+  return aligned;
 }
 
 /// Cuts motions into blocks of time where there are too few of them to hold any out.
@@ -149,6 +152,7 @@ void cutIntoBlocks(int least, Recording& recording) {
       part(setpoint.stamp).setpoints.push_back(setpoint);
     for (const auto& observation : motion.observations)
       part(observation.stamp).observations.push_back(observation);
+    for (const auto& frame : motion.frames) part(frame.stamp).frames.push_back(frame);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       parts[i].id = format("%s block %zu", motion.id.c_str(), i);
       if (!parts[i].setpoints.empty() && !parts[i].observations.empty())
@@ -226,33 +230,35 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.gain_lower = gain.lower;
   verdict.gain_upper = gain.upper;
   verdict.aligned = std::any_of(verdict.causes.begin(), verdict.causes.end(), isAlignment);
-  Eigen::VectorXd aligned;
+  SimulatedResidual aligned;
   if (verdict.aligned) {
     aligned = alignedResidual(recording, layout, base, verdict);
-    verdict.after_alignment = errorsOf(layout, aligned, verdict.folds, true);
-    const Gain from = gainOf(layout, aligned, after, verdict.seed);
+    verdict.after_alignment = errorsOf(layout, aligned.residual, verdict.folds, true);
+    const Gain from = gainOf(layout, aligned.residual, after, verdict.seed);
     verdict.gain_from_alignment = from.value;
     verdict.alignment_lower = from.lower;
     verdict.alignment_upper = from.upper;
   }
 
-  Eigen::MatrixXd joints;
-  residuals(recording, layout, base, &joints);
-  verdict.shown =
-      residualDependence(recording, layout, before, joints, verdict.folds, verdict.seed);
-  verdict.left = residualDependence(recording, layout, after, joints, verdict.folds, verdict.seed);
-  verdict.figures = residualSamples(recording, layout, joints, before, aligned, after);
+  SimulatedSamples given, extended;
+  residuals(recording, layout, base, &given);
+  verdict.shown = residualDependence(recording, layout, before, given.joints, given, verdict.folds,
+                                     verdict.seed);
+  verdict.left = residualDependence(recording, layout, after, given.joints, selection.held_out,
+                                    verdict.folds, verdict.seed);
+  verdict.figures = residualSamples(recording, layout, {before, std::move(given)}, aligned,
+                                    {after, std::move(selection.held_out)});
   if (progress) progress("learning from what is left", 0.98);
-  residuals(recording, layout, verdict.simulation, &joints);
+  residuals(recording, layout, verdict.simulation, &extended);
   const Eigen::VectorXd learnt =
-      withoutLearnable(recording, layout, after, joints, verdict.folds, verdict.seed);
+      withoutLearnable(recording, layout, after, extended.joints, verdict.folds, verdict.seed);
   const Gain learnable = gainOf(layout, after, learnt, verdict.seed);
   verdict.learnable = learnable.value;
   verdict.learnable_lower = learnable.lower;
   verdict.learnable_upper = learnable.upper;
   verdict.after_learning = errorsOf(layout, learnt, verdict.folds, recording.has_kinematics);
 
-  const Eigen::VectorXd floor = noiseFloor(recording, layout, after);
+  const Eigen::VectorXd floor = noiseFloor(recording, verdict.simulation);
   const Eigen::VectorXd scales = channelScales(layout, after);
   judgeWhatIsLeft(isBeyondNoise(layout, after, floor), verdict);
   for (std::size_t c = 0; c < layout.channels.size(); ++c) {
@@ -272,32 +278,6 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   }
   verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return verdict;
-}
-
-std::string separatingRecording(const std::string& effect, const std::string& other) {
-  const auto is = [&](const char* a, const char* b) {
-    return (effect == a && other == b) || (effect == b && other == a);
-  };
-  if (is("drive_friction", "backlash"))
-    return "record the encoders, too (measured_js): they see friction, and not backlash";
-  if (is("command_delay", "tracking_lag"))
-    return "record fast motions with sudden starts and reversals: a delay moves them unchanged, a "
-           "lag rounds them off";
-  if (is("joint_offset", "base_registration") || is("joint_offset", "tool_offset"))
-    return "touch known points of the robot's base and of the tool with a tracked pointer: an "
-           "offset "
-           "of the first joint is a turn of the base, one of the last a turn of the tool, in every "
-           "recording";
-  if (is("base_registration", "registration_shift") || is("joint_offset", "creep"))
-    return "record for longer, from before the change";
-  if (is("cable_stretch", "joint_gain") || is("cable_stretch", "joint_coupling") ||
-      is("cable_stretch", "joint_offset"))
-    return "repeat the same motions with a known mass in the gripper: only the stretch changes";
-  if (is("link_geometry", "joint_offset") || is("link_geometry", "base_registration") ||
-      is("link_geometry", "tool_offset"))
-    return "record over the whole workspace of all joints: what a wrong link does changes with the "
-           "joints before it, an offset's does not";
-  return "move each joint alone over its whole range, in both directions, at several speeds";
 }
 
 }  // namespace raven_correction

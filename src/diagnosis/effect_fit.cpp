@@ -21,10 +21,6 @@ constexpr double kStepOfValue = 0.05;   // a difference is no wider than this sh
 constexpr double kSmallestStep = 0.05;  // and no narrower than this share of the first width [-]
 constexpr double kDelayStep = 4e-3;     // held set-points make the residual a staircase [s]
 
-bool used(const std::vector<bool>& use, int motion) {
-  return use.empty() || use[static_cast<std::size_t>(motion)];
-}
-
 /// Width and direction of the difference for one parameter.
 double differenceStep(const EffectParameter& parameter, double value) {
   double step = kStepShare * (parameter.upper - parameter.lower);
@@ -33,10 +29,6 @@ double differenceStep(const EffectParameter& parameter, double value) {
   else if (value != 0.0)
     step = std::clamp(kStepOfValue * std::abs(value), kSmallestStep * step, step);
   return value + step > parameter.upper ? -step : step;
-}
-
-int sizeOf(const ResidualLayout& layout, const ResidualBlock& block) {
-  return layout.channels[static_cast<std::size_t>(block.channel)].size;
 }
 
 /// Residuals and derivatives at the point that Ceres asks for: computed once for all blocks.
@@ -108,7 +100,7 @@ Eigen::MatrixXd covarianceOf(const EffectFitProblem& problem, const EffectFit& f
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(p, p), meat = H;
   double n = 0.0;
   for (std::size_t m = 0; m < motions.size(); ++m) {
-    if (!used(problem.use, static_cast<int>(m))) continue;
+    if (!isUsed(problem.use, static_cast<int>(m))) continue;
     H += motions[m].H;
     meat += motions[m].g * motions[m].g.transpose();
     n += 1.0;
@@ -199,7 +191,7 @@ std::vector<NormalEquations> normalEquations(const ResidualLayout& layout,
   for (const ResidualBlock& block : layout.blocks) {
     const auto m = static_cast<std::size_t>(block.motion);
     if (begin[m] < 0) begin[m] = block.offset;
-    end[m] = block.offset + sizeOf(layout, block);
+    end[m] = block.offset + layout.sizeOf(block);
   }
   for (std::size_t m = 0; m < all.size(); ++m) {
     if (begin[m] < 0) continue;
@@ -228,8 +220,8 @@ EffectFit fitEffects(const EffectFitProblem& problem) {
   ceres::Problem least_squares(problem_options);
   const Eigen::VectorXd weights = channelWeights(layout);
   for (const ResidualBlock& block : layout.blocks) {
-    if (!used(problem.use, block.motion)) continue;
-    const int size = sizeOf(layout, block);
+    if (!isUsed(problem.use, block.motion)) continue;
+    const int size = layout.sizeOf(block);
     least_squares.AddResidualBlock(
         new BlockCost(evaluation, block.offset, size, problem.scales(block.channel),
                       static_cast<int>(p)),

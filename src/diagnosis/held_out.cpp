@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "parallel.h"
 #include "raven_correction/geometry/statistics.h"
@@ -38,9 +37,12 @@ Eigen::VectorXd withoutFold(const EffectFitProblem& problem, const EffectFit& fi
 
 }  // namespace
 
-Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds) {
+Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds,
+                                 SimulatedSamples* simulated) {
   const ResidualLayout& layout = *problem.layout;
-  if (problem.parameters.empty()) return fit.residual;
+  if (problem.parameters.empty())
+    return simulated ? residuals(*problem.recording, layout, problem.simulation, simulated)
+                     : fit.residual;
   const Eigen::VectorXd scales = channelScales(layout, fit.residual, problem.use);
   const std::vector<NormalEquations> motions =
       normalEquations(layout, fit.residual, fit.jacobian, scales);
@@ -51,6 +53,11 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
     all.g += motion.g;
   }
   Eigen::VectorXd result = fit.residual;
+  if (simulated) {
+    const auto blocks = static_cast<Eigen::Index>(layout.blocks.size());
+    simulated->joints.resize(problem.recording->robot.size(), blocks);
+    simulated->orientation.resize(4, blocks);
+  }
   parallelFor(folds, [&](int fold) {
     NormalEquations rest = all;
     for (std::size_t m = static_cast<std::size_t>(fold); m < motions.size();
@@ -58,12 +65,20 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
       rest.H -= motions[m].H;
       rest.g -= motions[m].g;
     }
+    SimulatedSamples samples;
     const Eigen::VectorXd there = residuals(*problem.recording, layout,
                                             withValues(problem.simulation, problem.parameters,
-                                                       withoutFold(problem, fit, rest.H, rest.g)));
-    for (const ResidualBlock& block : layout.blocks) {
+                                                       withoutFold(problem, fit, rest.H, rest.g)),
+                                            simulated ? &samples : nullptr);
+    for (std::size_t b = 0; b < layout.blocks.size(); ++b) {
+      const ResidualBlock& block = layout.blocks[b];
       if (block.motion % folds != fold) continue;
-      const int size = layout.channels[static_cast<std::size_t>(block.channel)].size;
+      if (simulated) {
+        const auto column = static_cast<Eigen::Index>(b);
+        simulated->joints.col(column) = samples.joints.col(column);
+        simulated->orientation.col(column) = samples.orientation.col(column);
+      }
+      const int size = layout.sizeOf(block);
       result.segment(block.offset, size) = there.segment(block.offset, size);
     }
   });
@@ -91,20 +106,18 @@ LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorX
   for (const double d : difference) away.push_back(std::abs(d - middle));
   result.z_typical = gain / (1.4826 * median(away) / root + tiny);
 
-  std::mt19937_64 engine(seed);
-  std::uniform_int_distribution<std::size_t> draw(0, n - 1);
   std::vector<double> shares;
-  for (int i = 0; i < kResamples; ++i) {
+  bootstrapOverGroups(n, kResamples, seed, [&](const std::vector<std::size_t>& drawn) {
     double total = 0.0, gained = 0.0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t at = draw(engine);
+    for (const std::size_t at : drawn) {
       total += base[at];
       gained += difference[at];
     }
     shares.push_back(gained / total);
-  }
-  result.lower = quantile(shares, 0.025);
-  result.upper = quantile(std::move(shares), 0.975);
+  });
+  const Interval interval = interval95(shares);
+  result.lower = interval.lower;
+  result.upper = interval.upper;
   return result;
 }
 

@@ -57,12 +57,14 @@ std::vector<ObservedSample> observedSamples(const Recording& recording,
   return samples;
 }
 
-Eigen::VectorXd simulatedVelocity(const Recording& recording, const ObservedSample& sample) {
+Eigen::VectorXd simulatedVelocity(const Recording& recording, const ObservedSample& sample,
+                                  const SimulatedSamples& simulated) {
   if (!recording.has_kinematics) return sample.speed;
   Jacobian jacobian;
-  const Pose X_base_tool = recording.robot.forward(JointVector(sample.joints), jacobian);
+  recording.robot.forward(JointVector(sample.joints), jacobian);
   Eigen::VectorXd velocity = jacobian * sample.speed;
-  velocity.tail<3>() = X_base_tool.q.conjugate() * Eigen::Vector3d(velocity.tail<3>());
+  velocity.tail<3>() =
+      simulated.tool(sample.blocks[0]).conjugate() * Eigen::Vector3d(velocity.tail<3>());
   return velocity;
 }
 

@@ -25,8 +25,11 @@ std::vector<ObservedSample> observedSamples(const Recording& recording,
                                             const ResidualLayout& layout,
                                             const Eigen::MatrixXd& joints);
 
-/// How the simulated components of a sample change: velocity of the tool in base and its angular
-/// velocity in its own frame [m/s, rad/s]; joint data: the joint speeds.
-Eigen::VectorXd simulatedVelocity(const Recording& recording, const ObservedSample& sample);
+/// How the simulated components of a sample change: velocity of the nominal tool in base, and its
+/// angular velocity in the frame of the tool that the residual is of [m/s, rad/s]; joint data: the
+/// joint speeds.
+/// @param simulated  of the simulation that left the residual
+Eigen::VectorXd simulatedVelocity(const Recording& recording, const ObservedSample& sample,
+                                  const SimulatedSamples& simulated);
 
 }  // namespace raven_correction

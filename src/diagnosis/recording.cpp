@@ -16,6 +16,7 @@ namespace {
 using Observation = Recording::Observation;
 constexpr double kMostWrong = 0.1;  // largest share of orientations that markers may get wrong [-]
 constexpr double kLimitTolerance = 1e-6;  // [rad or m]
+constexpr std::size_t kNoiseRuns = 1000;  // of three frames: the noise is known to 2 or 3 percent
 constexpr int kMeanRounds = 5;  // of the orientation window: the mean of those inside it, again
 
 /// Joints along a stream of poses: each solution is the seed of the next. Stamps never decrease.
@@ -158,6 +159,38 @@ void applyOrientationWindow(double window, Recording& recording) {
   }
 }
 
+/// Remembers about `runs` runs of three consecutive frames of each kind, evenly spread over all
+/// motions; all frames where there are not more.
+void rememberFrames(std::size_t runs, Recording& recording) {
+  for (const auto kind :
+       {Observation::Kind::kPose, Observation::Kind::kJoints, Observation::Kind::kEncoders}) {
+    const auto ofKind = [kind](const Recording::Motion& motion) {
+      std::vector<const Observation*> frames;
+      for (const Observation& observation : motion.observations)
+        if (observation.kind == kind) frames.push_back(&observation);
+      return frames;
+    };
+    std::size_t total = 0;
+    for (const Recording::Motion& motion : recording.motions) total += ofKind(motion).size();
+    const std::size_t stride = std::max<std::size_t>(3, total / runs);  // frames for one run
+    for (Recording::Motion& motion : recording.motions) {
+      const std::vector<const Observation*> frames = ofKind(motion);
+      const std::size_t here = std::max<std::size_t>(1, frames.size() / stride);
+      for (std::size_t run = 0; run < here; ++run) {
+        // The middle three of its part; where the parts have no more than three, all of them.
+        const std::size_t begin = run * frames.size() / here;
+        const std::size_t end = (run + 1) * frames.size() / here;
+        const std::size_t length = stride > 3 ? std::min<std::size_t>(3, end - begin) : end - begin;
+        const std::size_t first = begin + (end - begin - length) / 2;
+        for (std::size_t i = first; i < first + length; ++i) motion.frames.push_back(*frames[i]);
+      }
+    }
+  }
+  for (Recording::Motion& motion : recording.motions)
+    std::stable_sort(motion.frames.begin(), motion.frames.end(),
+                     [](const Observation& a, const Observation& b) { return a.stamp < b.stamp; });
+}
+
 /// Keeps every n-th observation of each kind, so that about `most` of all remain; one of a motion
 /// at least.
 void thin(std::size_t most, Recording& recording) {
@@ -180,6 +213,21 @@ void thin(std::size_t most, Recording& recording) {
     recording.left_out.thinned += motion.observations.size() - kept.size();
     motion.observations = std::move(kept);
   }
+}
+
+/// One simulation runs through the whole recording, with one homing and one registration.
+void refuseSeveralSessions(const Dataset& dataset) {
+  const std::vector<std::size_t> starts = sessionStarts(dataset);
+  if (starts.size() < 2) return;
+  const Trajectory& next = dataset.trajectories[starts[1]];
+  const Trajectory& before = dataset.trajectories[starts[1] - 1];
+  throw InvalidInput(format(
+      "%s: %zu sessions: between trajectory %s and trajectory %s there are %.1f h, at most %.0f h "
+      "are within one session; between sessions a robot is homed and registered anew, so diagnose "
+      "each on its own",
+      dataset.source.empty() ? dataset.name.c_str() : dataset.source.c_str(), starts.size(),
+      before.id.c_str(), next.id.c_str(), (next.start() - before.end()) / 3600.0,
+      kLongestPause / 3600.0));
 }
 
 /// Motions that can say something, in order of time; the rest is dropped.
@@ -208,6 +256,7 @@ void finish(const Dataset& dataset, const RecordingOptions& options, Recording& 
   for (Recording::Motion& motion : motions)
     std::stable_sort(motion.observations.begin(), motion.observations.end(),
                      [](const Observation& a, const Observation& b) { return a.stamp < b.stamp; });
+  rememberFrames(kNoiseRuns, recording);
   thin(options.max_samples, recording);
   for (const Recording::Motion& motion : motions)
     for (const Observation& observation : motion.observations)
@@ -256,6 +305,7 @@ Recording makeRecording(const Dataset& dataset, const KinematicChain& robot,
         "in \"%s\"; use the simulation of this robot and frame",
         dataset.source.c_str(), dataset.frame.c_str(), robot.name().c_str(),
         robot.frame().c_str()));
+  refuseSeveralSessions(dataset);
   Recording recording;
   recording.name = dataset.name;
   recording.source = options.source;
@@ -296,6 +346,7 @@ Recording makeJointRecording(const Dataset& dataset, const std::vector<bool>& pr
           "order throughout",
           dataset.source.c_str(), trajectory.id.c_str()));
   }
+  refuseSeveralSessions(dataset);
   Recording recording;
   recording.name = dataset.name;
   recording.robot = jointsOnly(dataset, names, prismatic);

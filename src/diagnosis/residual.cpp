@@ -28,14 +28,6 @@ bool isRevolute(const KinematicChain& robot, int joint) {
   return robot.joints()[static_cast<std::size_t>(joint)].type == JointType::kRevolute;
 }
 
-int sizeOf(const ResidualLayout& layout, const ResidualBlock& block) {
-  return layout.channels[static_cast<std::size_t>(block.channel)].size;
-}
-
-bool used(const std::vector<bool>& use, int motion) {
-  return use.empty() || use[static_cast<std::size_t>(motion)];
-}
-
 /// Difference of two joint vectors, revolute joints modulo a turn.
 JointVector jointDifference(const KinematicChain& robot, const JointVector& a,
                             const JointVector& b) {
@@ -118,13 +110,22 @@ ResidualLayout residualLayout(const Recording& recording) {
   return layout;
 }
 
+Eigen::Quaterniond SimulatedSamples::tool(std::size_t block) const {
+  const Eigen::Vector4d coefficients = orientation.col(static_cast<Eigen::Index>(block));
+  if (coefficients.isZero(0.0)) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(coefficients);
+}
+
 Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layout,
-                          const SimulationConfig& simulation, Eigen::MatrixXd* joints) {
+                          const SimulationConfig& simulation, SimulatedSamples* simulated) {
   SimulationConfig config = simulation;
   config.step = kLongestStep;
   Eigen::VectorXd residual(layout.size);
-  if (joints)
-    joints->resize(recording.robot.size(), static_cast<Eigen::Index>(layout.blocks.size()));
+  if (simulated) {
+    const auto count = static_cast<Eigen::Index>(layout.blocks.size());
+    simulated->joints.resize(recording.robot.size(), count);
+    simulated->orientation.setZero(4, count);
+  }
   Replay replay(config);
   Eigen::Index at = 0, block = 0;
   for (const Recording::Motion& motion : recording.motions) {
@@ -134,9 +135,10 @@ Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layo
       const Eigen::Index blocks =
           observation.kind == Kind::kPose ? 2 : static_cast<Eigen::Index>(recording.robot.size());
       if (observation.kind == Kind::kPose) {
-        const Pose simulated = arm.toolPose();
-        residual.segment<3>(at) = observation.pose.p - simulated.p;
-        residual.segment<3>(at + 3) = logRotation(simulated.q.conjugate() * observation.pose.q);
+        const Pose tool = arm.toolPose();
+        residual.segment<3>(at) = observation.pose.p - tool.p;
+        residual.segment<3>(at + 3) = logRotation(tool.q.conjugate() * observation.pose.q);
+        if (simulated) simulated->orientation.middleCols(block, blocks).colwise() = tool.q.coeffs();
         at += 6;
       } else {
         const JointVector& there =
@@ -144,7 +146,8 @@ Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layo
         residual.segment(at, blocks) = jointDifference(recording.robot, observation.joints, there);
         at += blocks;
       }
-      if (joints) joints->middleCols(block, blocks).colwise() = Eigen::VectorXd(arm.joints());
+      if (simulated)
+        simulated->joints.middleCols(block, blocks).colwise() = Eigen::VectorXd(arm.joints());
       block += blocks;
     }
     replay.end();
@@ -156,7 +159,7 @@ Eigen::VectorXd channelScales(const ResidualLayout& layout, const Eigen::VectorX
                               const std::vector<bool>& use) {
   std::vector<std::vector<double>> values(layout.channels.size());
   for (const ResidualBlock& block : layout.blocks) {
-    if (!used(use, block.motion)) continue;
+    if (!isUsed(use, block.motion)) continue;
     const auto c = static_cast<std::size_t>(block.channel);
     for (int i = 0; i < layout.channels[c].size; ++i)
       values[c].push_back(std::abs(residual(block.offset + i)));
@@ -184,7 +187,7 @@ Eigen::VectorXd motionLosses(const ResidualLayout& layout, const Eigen::VectorXd
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(channels, layout.motions);
   Eigen::MatrixXd count = Eigen::MatrixXd::Zero(channels, layout.motions);
   for (const ResidualBlock& block : layout.blocks) {
-    const int size = sizeOf(layout, block);
+    const int size = layout.sizeOf(block);
     const double s = residual.segment(block.offset, size).norm() / scales(block.channel);
     sum(block.channel, block.motion) += huber(s, blockThreshold(size)) / size;
     count(block.channel, block.motion) += 1.0;
@@ -205,7 +208,7 @@ Eigen::VectorXd motionLosses(const ResidualLayout& layout, const Eigen::VectorXd
 
 Eigen::VectorXd channelWeights(const ResidualLayout& layout) {
   Eigen::VectorXd count = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.channels.size()));
-  for (const ResidualBlock& block : layout.blocks) count(block.channel) += sizeOf(layout, block);
+  for (const ResidualBlock& block : layout.blocks) count(block.channel) += layout.sizeOf(block);
   const double mean = count.mean();
   return count.unaryExpr([&](double n) { return n > 0.0 ? mean / n : 0.0; });
 }
@@ -215,7 +218,7 @@ Eigen::VectorXd rowWeights(const ResidualLayout& layout, const Eigen::VectorXd& 
   const Eigen::VectorXd channel = channelWeights(layout);
   Eigen::VectorXd weights(layout.size);
   for (const ResidualBlock& block : layout.blocks) {
-    const int size = sizeOf(layout, block);
+    const int size = layout.sizeOf(block);
     const double scale = scales(block.channel);
     const double s = residual.segment(block.offset, size).norm() / scale;
     const double threshold = blockThreshold(size);
@@ -231,7 +234,7 @@ ErrorSizes errorSizes(const ResidualLayout& layout, const Eigen::VectorXd& resid
   std::vector<std::vector<double>> lengths(layout.channels.size());
   for (const ResidualBlock& block : layout.blocks) {
     const auto c = static_cast<std::size_t>(block.channel);
-    if (used(use, block.motion) && !layout.channels[c].encoder)
+    if (isUsed(use, block.motion) && !layout.channels[c].encoder)
       lengths[c].push_back(residual.segment(block.offset, layout.channels[c].size).norm());
   }
   ErrorSizes sizes;

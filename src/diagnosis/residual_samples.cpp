@@ -24,9 +24,9 @@ bool hasMasses(const KinematicChain& robot) {
 class ResidualWriter {
  public:
   ResidualWriter(const Recording& recording, const ResidualLayout& layout,
-                 const Eigen::VectorXd& residual, Eigen::Index count)
-      : recording_(recording), layout_(layout), residual_(residual) {
-    if (residual.size() == 0) return;
+                 const SimulatedResidual& of, Eigen::Index count)
+      : recording_(recording), layout_(layout), residual_(of.residual), simulated_(of.simulated) {
+    if (residual_.size() == 0) return;
     if (recording.has_kinematics) out_.tool.setZero(6, count);
     out_.joints.setZero(recording.robot.size(), count);
   }
@@ -44,8 +44,8 @@ class ResidualWriter {
         residual_.segment<3>(layout_.blocks[sample.blocks[1]].offset);
     out_.tool.col(column) = error;
     Jacobian jacobian;
-    const Pose X_base_tool = recording_.robot.forward(JointVector(sample.joints), jacobian);
-    error.tail<3>() = X_base_tool.q * Eigen::Vector3d(error.tail<3>());
+    recording_.robot.forward(JointVector(sample.joints), jacobian);
+    error.tail<3>() = simulated_.tool(sample.blocks[0]) * Eigen::Vector3d(error.tail<3>());
     out_.joints.col(column) = projectToJoints(recording_.robot, jacobian, error);
   }
 
@@ -55,6 +55,7 @@ class ResidualWriter {
   const Recording& recording_;
   const ResidualLayout& layout_;
   const Eigen::VectorXd& residual_;
+  const SimulatedSamples& simulated_;
   ResidualSamples::Residual out_;
 };
 
@@ -78,10 +79,10 @@ Eigen::VectorXd projectToJoints(const KinematicChain& robot, const Jacobian& jac
 }
 
 ResidualSamples residualSamples(const Recording& recording, const ResidualLayout& layout,
-                                const Eigen::MatrixXd& joints, const Eigen::VectorXd& before,
-                                const Eigen::VectorXd& aligned, const Eigen::VectorXd& after,
-                                std::size_t most) {
-  const std::vector<ObservedSample> all = observedSamples(recording, layout, joints);
+                                const SimulatedResidual& before, const SimulatedResidual& aligned,
+                                const SimulatedResidual& after, std::size_t most) {
+  const std::vector<ObservedSample> all =
+      observedSamples(recording, layout, before.simulated.joints);
   const std::size_t stride = most == 0 ? 1 : (all.size() + most - 1) / most;
   std::vector<const ObservedSample*> chosen;
   for (std::size_t i = 0; i < all.size(); i += std::max<std::size_t>(1, stride))
@@ -111,7 +112,7 @@ ResidualSamples residualSamples(const Recording& recording, const ResidualLayout
       samples.position.col(i) = recording.motions[static_cast<std::size_t>(sample.motion)]
                                     .observations[static_cast<std::size_t>(block.sample)]
                                     .pose.p;
-      samples.velocity.col(i) = simulatedVelocity(recording, sample).head<3>();
+      samples.velocity.col(i) = simulatedVelocity(recording, sample, before.simulated).head<3>();
     }
     if (samples.load.rows() > 0)
       samples.load.col(i) = gravityLoad(recording.robot, JointVector(sample.joints), 0.0);

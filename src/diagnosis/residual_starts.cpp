@@ -15,10 +15,6 @@ constexpr std::size_t kMostBlocks = 4000;  // of the search for a period
 constexpr double kRidge = 1e-9;
 constexpr double kSmallestSide = 0.02;  // share of the observations on either side of a shift [-]
 
-int sizeOf(const ResidualLayout& layout, const ResidualBlock& block) {
-  return layout.channels[static_cast<std::size_t>(block.channel)].size;
-}
-
 /// What b' A^-1 b explains of the weighted squares.
 double explained(Eigen::MatrixXd A, const Eigen::VectorXd& b, Eigen::VectorXd* solution) {
   A.diagonal().array() += kRidge * (A.trace() + 1e-300);
@@ -52,7 +48,7 @@ std::vector<Eigen::VectorXd> periodicStarts(const ResidualView& view, int joint,
       ++samples;
     if (samples % stride != 0) continue;
     double squares = 0.0, product = 0.0;
-    for (int c = 0; c < sizeOf(layout, block); ++c) {
+    for (int c = 0; c < layout.sizeOf(block); ++c) {
       const Eigen::Index row = block.offset + c;
       squares += weights(row) * sensitivity(row) * sensitivity(row);
       product -= weights(row) * sensitivity(row) * (*view.residual)(row);
@@ -110,7 +106,7 @@ std::vector<Eigen::VectorXd> shiftStarts(const ResidualView& view,
   for (std::size_t back = 0; back < layout.blocks.size(); ++back) {
     const std::size_t i = layout.blocks.size() - 1 - back;
     const ResidualBlock& block = layout.blocks[i];
-    for (int c = 0; c < sizeOf(layout, block); ++c) {
+    for (int c = 0; c < layout.sizeOf(block); ++c) {
       const Eigen::Index row = block.offset + c;
       A += weights(row) * sensitivity.row(row).transpose() * sensitivity.row(row);
       b -= weights(row) * sensitivity.row(row).transpose() * (*view.residual)(row);

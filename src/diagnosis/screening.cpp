@@ -115,7 +115,9 @@ std::vector<std::vector<Eigen::VectorXd>> allStarts(const EffectFitProblem& prob
     const Hypothesis& hypothesis = hypotheses[h];
     if (hypothesis.effect == "pulley_eccentricity") {
       if (to_offsets.size() == 0) {
-        residuals(*problem.recording, *problem.layout, here, &joints);
+        SimulatedSamples simulated;
+        residuals(*problem.recording, *problem.layout, here, &simulated);
+        joints = std::move(simulated.joints);
         to_offsets = sensitivityTo(problem, here, fit,
                                    handles("joint_offset", 0, problem.recording->robot.size()));
       }

@@ -6,6 +6,7 @@
 
 #include "parallel.h"
 #include "raven_correction/diagnosis/claim.h"
+#include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/diagnosis/screening.h"
 #include "raven_correction/error.h"
 
@@ -36,6 +37,11 @@ struct Member {
   double runner_up_share = 0.0;
   double share = 0.0;  // when it was last dropped
 };
+
+/// How far the others are fitted again when a cause is dropped. kRound: as far as finalists are,
+/// with derivatives of before; it finds most of what does not earn its place. kLast: as far as the
+/// fit with all of them, so that the cause is judged by what it adds and not by the effort.
+enum class Effort { kRound, kLast };
 
 /// A hypothesis after its fit.
 struct Finalist {
@@ -74,17 +80,18 @@ class Selector {
         options_(options),
         progress_(progress),
         summary_(summarise(recording)),
-        rule_(recording, layout, options.least_share, options.seed),
+        rule_(layout, options.least_share, options.seed),
         hypotheses_(newHypotheses(recording, simulation)) {
     problem_.recording = &recording;
     problem_.layout = &layout;
     problem_.simulation = simulation;
     problem_.max_iterations = kRefitIterations;
     problem_.tolerance = kRefitTolerance;
-    fit_.residual = residuals(recording, layout, simulation);
+    fit_.residual = residuals(recording, layout, simulation, &result_.held_out);
     fit_.values.resize(0);
     fit_.jacobian.resize(layout.size, 0);
     held_out_ = fit_.residual;
+    rule_.setNoise(noiseFloor(recording, simulation));
     result_.nominal_residual = fit_.residual;
     result_.hypotheses = hypotheses_.size();
   }
@@ -92,12 +99,12 @@ class Selector {
   SelectionResult run() {
     int round = 0;
     while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
-    say("removing what no longer earns its place", 0.9);
-    removeWeak();
+    removeWeak(Effort::kRound);
     if (!members_.empty()) {  // nothing is added any more: to the end
       problem_.max_iterations = kLastIterations;
       problem_.tolerance = kLastTolerance;
       refit();
+      removeWeak(Effort::kLast);
       result_.converged = fit_.converged;
     }
     say("writing the verdict", 0.97);
@@ -254,7 +261,9 @@ class Selector {
     problem_.frozen.resize(0, 0);
     fit_ = fitEffects(problem_);
     problem_.start = fit_.values;
-    held_out_ = heldOutResiduals(problem_, fit_, options_.folds);
+    held_out_ = heldOutResiduals(problem_, fit_, options_.folds, &result_.held_out);
+    rule_.setNoise(
+        noiseFloor(recording_, withValues(problem_.simulation, problem_.parameters, fit_.values)));
   }
 
   /// The fit without one cause, all others free to make up for it.
@@ -275,7 +284,7 @@ class Selector {
   }
 
   /// Held-out residual when one cause is dropped and the others are refitted.
-  Eigen::VectorXd drop(const Member& member) const {
+  Eigen::VectorXd drop(const Member& member, Effort effort) const {
     EffectFitProblem problem = without(member);
     if (problem.parameters.empty()) return residuals(recording_, layout_, problem.simulation);
     problem.max_iterations = kFinalistIterations;
@@ -290,15 +299,22 @@ class Selector {
       fit = fitEffects(problem);
       problem.start = fit.values;
     }
+    if (effort == Effort::kLast) {
+      problem.max_iterations = kLastIterations;
+      problem.tolerance = kLastTolerance;
+      problem.scales = channelScales(layout_, fit.residual);
+      problem.frozen.resize(0, 0);
+      fit = fitEffects(problem);
+    }
     return heldOutResiduals(problem, fit, options_.folds);
   }
 
   /// Drops each of these causes on its own.
-  void dropEach(const std::vector<std::size_t>& members) {
+  void dropEach(const std::vector<std::size_t>& members, Effort effort) {
     dropped_.resize(members_.size());
     parallelFor(static_cast<int>(members.size()), [&](int index) {
       const std::size_t i = members[static_cast<std::size_t>(index)];
-      dropped_[i] = drop(members_[i]);
+      dropped_[i] = drop(members_[i], effort);
     });
   }
 
@@ -327,10 +343,13 @@ class Selector {
 
   /// Removes causes that do not earn their place, the weakest first; in the end each of those that
   /// stay has been dropped beside all the others.
-  void removeWeak() {
+  void removeWeak(Effort effort) {
     for (bool all = true; !members_.empty();) {
       const std::vector<std::size_t> tried = membersToDrop(all);
-      dropEach(tried);
+      say(format("removing what no longer earns its place: %zu of %zu causes dropped in turn",
+                 tried.size(), members_.size()),
+          effort == Effort::kRound ? 0.88 : 0.93);
+      dropEach(tried, effort);
       for (const std::size_t i : tried)
         members_[i].share = rule_.compare(dropped_[i], held_out_).share;
       const std::size_t weakest = weakestOf(tried);
@@ -354,7 +373,9 @@ class Selector {
       if (member.first > gone.first) member.first -= gone.count;
     if (members_.empty()) {
       fit_ = EffectFit();
-      fit_.residual = held_out_ = result_.nominal_residual;
+      fit_.residual = held_out_ =
+          residuals(recording_, layout_, problem_.simulation, &result_.held_out);
+      rule_.setNoise(noiseFloor(recording_, problem_.simulation));
       fit_.jacobian.resize(layout_.size, 0);
     } else {
       refit();

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <random>
 
 #include "raven_correction/error.h"
 #include "raven_correction/evaluation/table_one.h"
@@ -184,15 +183,12 @@ Ladder climb(const Session& session, const FidelityProblem& problem, const Progr
     }
   };
   evaluateOn(selectFold(session.all, problem.hold_out, false), session.test, table, progress);
-  std::mt19937_64 random(problem.seed);
-  std::uniform_int_distribution<std::size_t> any(0, session.test.trajectories.size() - 1);
   ladder.resampled.resize(ladder.sums.size());
-  for (int k = 0; k < problem.resamples; ++k) {
-    std::vector<std::size_t> drawn(session.test.trajectories.size());
-    for (std::size_t& i : drawn) i = any(random);
-    for (std::size_t m = 0; m < ladder.sums.size(); ++m)
-      ladder.resampled[m].push_back(norms(ladder.sums[m], drawn));
-  }
+  bootstrapOverGroups(session.test.trajectories.size(), problem.resamples, problem.seed,
+                      [&](const std::vector<std::size_t>& drawn) {
+                        for (std::size_t m = 0; m < ladder.sums.size(); ++m)
+                          ladder.resampled[m].push_back(norms(ladder.sums[m], drawn));
+                      });
   return ladder;
 }
 
@@ -279,6 +275,8 @@ FidelityResult compareFidelity(const Dataset& measured, const FidelityProblem& p
                               problem.hold_out.folds));
   FidelityResult result;
   result.trajectories = a.test.trajectories.size();
+  result.hold_out = problem.hold_out;
+  result.overlap = overlapOf(problem.simulation, a.test);
   result.rows = compareStatistics(a.statistics, b.statistics);
   const FateCounts measured_fates = fatesOf(a, problem.training);
   const FateCounts simulated_fates = fatesOf(b, problem.training);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <random>
 
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/statistics.h"
@@ -74,10 +73,7 @@ class Fold {
     rigid_ = train(training_, config, 0.0).model;
     config.simulation = simulation_;
     physics_ = train(training_, config, 0.0);
-    SynchronisationOptions gaps;
-    gaps.max_gap = config.max_gap;
-    gaps.max_gap_periods = config.max_gap_periods;
-    max_gap_ = commandGapLimit(training_, gaps);
+    max_gap_ = commandGapLimit(training_, config);
     clean_ = cleanStates(statesOf(rigid_), rigid_.rigid, problem.gates);
     if (std::find(clean_.begin(), clean_.end(), true) == clean_.end())
       throw InvalidInput(
@@ -162,20 +158,19 @@ void compare(const std::vector<TrajectorySums>& sums, const LearningCurveProblem
   const Eigen::Vector2d ratio = ratioOf(sums, all);
   saved.position_ratio = ratio(0);
   saved.angle_ratio = ratio(1);
-  std::mt19937_64 random(problem.seed);
-  std::uniform_int_distribution<std::size_t> draw(0, sums.size() - 1);
   std::vector<double> positions, angles;
-  for (int k = 0; k < problem.resamples; ++k) {
-    for (std::size_t& i : all) i = draw(random);
-    const Eigen::Vector2d again = ratioOf(sums, all);
-    positions.push_back(again(0));
-    angles.push_back(again(1));
-  }
+  bootstrapOverGroups(sums.size(), problem.resamples, problem.seed,
+                      [&](const std::vector<std::size_t>& drawn) {
+                        const Eigen::Vector2d again = ratioOf(sums, drawn);
+                        positions.push_back(again(0));
+                        angles.push_back(again(1));
+                      });
   if (positions.empty()) return;
-  saved.position_lower = quantile(positions, 0.025);
-  saved.position_upper = quantile(positions, 0.975);
-  saved.angle_lower = quantile(angles, 0.025);
-  saved.angle_upper = quantile(angles, 0.975);
+  const Interval position = interval95(positions), angle = interval95(angles);
+  saved.position_lower = position.lower;
+  saved.position_upper = position.upper;
+  saved.angle_lower = angle.lower;
+  saved.angle_upper = angle.upper;
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ const char* methodName(Method method) noexcept {
 
 TrainingConfig configOf(Method method, const TrainingConfig& config) {
   TrainingConfig reduced = config;
+  reduced.simulation = nullptr;
   const bool cleans = method == Method::kRigidClean || method == Method::kRigidGpVelocityClean;
   const bool learns = method >= Method::kRigidGp;
   const bool moves = method >= Method::kRigidGpVelocity;
@@ -62,10 +63,7 @@ std::vector<Rows> rowsOf(const Split& split, const std::function<void(double)>& 
   // The rigid step from cleaned training pairs decides what is clean, for every method alike.
   const TrainingResult rigid =
       train(split.training, configOf(Method::kRigidClean, split.config), 0.0);
-  SynchronisationOptions gaps;
-  gaps.max_gap = split.config.max_gap;
-  gaps.max_gap_periods = split.config.max_gap_periods;
-  const double max_gap = commandGapLimit(split.training, gaps);
+  const double max_gap = commandGapLimit(split.training, split.config);
   std::vector<Rows> rows;
   for (const Method method : kMethods) {
     const TrainingConfig config = configOf(method, split.config);

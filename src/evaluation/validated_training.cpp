@@ -18,19 +18,33 @@ bool isHeldOut(const Trajectory& trajectory) noexcept {
   return (x ^ (x >> 31)) % 5 == 0;
 }
 
-namespace {
-
-void split(const Dataset& dataset, Dataset& training, Dataset& held_out) {
-  training = held_out = dataset;
+ValidationSplit splitForValidation(const Dataset& dataset) {
+  ValidationSplit split{dataset, dataset};
   const auto fill = [&](auto&& tests) {
-    training.trajectories.clear();
-    held_out.trajectories.clear();
+    split.training.trajectories.clear();
+    split.held_out.trajectories.clear();
     for (std::size_t i = 0; i < dataset.trajectories.size(); ++i)
-      (tests(i) ? held_out : training).trajectories.push_back(dataset.trajectories[i]);
+      (tests(i) ? split.held_out : split.training).trajectories.push_back(dataset.trajectories[i]);
   };
   fill([&](std::size_t i) { return isHeldOut(dataset.trajectories[i]); });
-  if (held_out.trajectories.empty() || training.trajectories.size() < 2)
+  if (split.held_out.trajectories.empty() || split.training.trajectories.size() < 2)
     fill([](std::size_t i) { return i % 5 == 0; });
+  return split;
+}
+
+namespace {
+
+/// What the simulation's own fit means for the comparison; empty: nothing.
+std::string overlapText(const SimulationOverlap& overlap, const std::string& simulation) {
+  if (overlap.independent()) return "";
+  if (!overlap.known)
+    return format("; what the simulation %s was fitted to is not known, and may be these",
+                  simulation.c_str());
+  return format(
+      "; the simulation %s was fitted to %zu of these, so it proves nothing: diagnose again "
+      "without "
+      "the trajectories that validate models (leave_out_validation)",
+      simulation.c_str(), overlap.seen);
 }
 
 double meanRatio(const ErrorSummary& a, const ErrorSummary& b) {
@@ -93,8 +107,7 @@ ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig&
         format("%s: %zu trajectories; at least 3 are needed, so that one can be "
                "held out: record more",
                dataset.source.c_str(), dataset.trajectories.size()));
-  Dataset learn, held_out;
-  split(dataset, learn, held_out);
+  const auto [learn, held_out] = splitForValidation(dataset);
   ValidatedTraining result;
   result.held_out_trajectories = held_out.trajectories.size();
   result.training = train(learn, config, now, [&](const std::string& phase, double fraction) {
@@ -103,10 +116,7 @@ ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig&
   if (progress) progress("validating", 0.9);
 
   Correction& model = result.training.model;
-  SynchronisationOptions gaps;
-  gaps.max_gap = config.max_gap;
-  gaps.max_gap_periods = config.max_gap_periods;
-  const double max_gap = commandGapLimit(dataset, gaps);
+  const double max_gap = commandGapLimit(dataset, config);
   const CleanStates judged = statesFor(model, held_out, max_gap);
   result.errors = errorsOn(judged, model);
   result.none = summarise(result.errors.none);
@@ -121,6 +131,11 @@ ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig&
                           millimetresAndDegrees(result.full).c_str(), result.full.n,
                           held_out.trajectories.size(), millimetresAndDegrees(reference).c_str(),
                           result.live ? "of the model in use" : "without correction");
+  if (config.simulation) {
+    result.overlap = overlapOf(*config.simulation, held_out);
+    if (result.overlap->seen > 0) result.better = false;
+    result.verdict += overlapText(*result.overlap, config.simulation->name);
+  }
   model.held_out.position_before = result.none.position_norm;
   model.held_out.angle_before = result.none.angle_norm;
   model.held_out.position_after = result.full.position_norm;

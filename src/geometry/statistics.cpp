@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <random>
 
 #include "raven_correction/error.h"
 
@@ -33,6 +34,22 @@ double standardDeviation(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += (value - centre) * (value - centre);
   return std::sqrt(sum / static_cast<double>(values.size() - 1));
+}
+
+void bootstrapOverGroups(std::size_t groups, int resamples, std::uint64_t seed,
+                         const std::function<void(const std::vector<std::size_t>& drawn)>& visit) {
+  if (groups == 0) return;
+  std::mt19937_64 engine(seed);
+  std::uniform_int_distribution<std::size_t> draw(0, groups - 1);
+  std::vector<std::size_t> drawn(groups);
+  for (int i = 0; i < resamples; ++i) {
+    for (std::size_t& group : drawn) group = draw(engine);
+    visit(drawn);
+  }
+}
+
+Interval interval95(const std::vector<double>& resampled) {
+  return {quantile(resampled, 0.025), quantile(resampled, 0.975)};
 }
 
 }  // namespace raven_correction

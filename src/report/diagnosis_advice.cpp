@@ -4,6 +4,7 @@
 #include <array>
 
 #include "diagnosis_words.h"
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 
@@ -55,9 +56,8 @@ constexpr Entry kEntries[] = {
     {"mocap_scale", "the tracker's positions are scaled", "calibrate the tracker"},
 };
 
-constexpr double kManyLeft = 0.1;   // share of samples left out that is worth a look [-]
-constexpr int kFewMotions = 20;     // held-out intervals of fewer motions are wide
-constexpr double kNearFloor = 2.0;  // times the noise floor: there is little to gain [-]
+constexpr double kManyLeft = 0.1;  // share of samples left out that is worth a look [-]
+constexpr int kFewMotions = 20;    // held-out intervals of fewer motions are wide
 
 bool needsLook(const Verdict& verdict) {
   const Recording::Left& left = verdict.left_out;
@@ -139,7 +139,10 @@ Headline headlineOf(const Verdict& verdict) {
     headline.text +=
         format(": %.2f mm become %.2f mm (RMS)", kMillimetre * verdict.before.sizes.position_rms,
                kMillimetre * verdict.after.sizes.position_rms);
-  headline.text += ", on motions that were not fitted to.";
+  headline.text +=
+      ", on motions that the parameters were not fitted to. The causes were chosen with all "
+      "motions "
+      "in view, so this is slightly optimistic where there are many weak ones.";
   headline.tone = verdict.unexplained || !verdict.converged ? Tone::kNotice : Tone::kGood;
   return headline;
 }

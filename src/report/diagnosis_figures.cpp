@@ -49,7 +49,7 @@ void layOutDistribution(const std::vector<double>& all, double floor, Panel& pan
   panel.y = Axis("samples with at most this error", "%");
   panel.y.lower = 0.0;
   panel.y.upper = 100.0;
-  panel.layers.push_back(floorRule("noise floor (RMS)", floor));
+  if (floor > 0.0) panel.layers.push_back(floorRule("noise floor (RMS)", floor));
 }
 
 Panel distributionPanel(const Verdict& verdict, bool position) {
@@ -128,7 +128,9 @@ Figure errorDistributionFigure(const Verdict& verdict) {
   figure.how_to_read =
       "Measured minus simulated. Each curve says which share of the samples has an error of at "
       "most what the horizontal axis says (logarithmic); where it crosses 50 % is the median. The "
-      "after curve is of motions held out: none was predicted with parameters fitted to it.";
+      "after curve is of motions held out: none was predicted with parameters fitted to it (the "
+      "causes themselves, and the instant of a registration shift, were chosen with all motions in "
+      "view).";
   figure.good =
       "the solid curve climbs far to the left of the dashed one, and reaches the noise floor.";
   return figure;
@@ -205,8 +207,8 @@ Figure causesFigure(const Verdict& verdict) {
   Panel panel;
   panel.width = 460.0;
   panel.height = 70.0 + 24.0 * static_cast<double>(verdict.causes.size());
-  panel.x = Axis("share of the held-out error that goes with it", "%");
-  panel.x.lower = 0.0;
+  panel.x = Axis("share of the held-out loss that goes with it", "%");
+  panel.x.from_zero = true;  // and an interval that crosses it is seen to
   Bars bars;
   bars.horizontal = true;
   bars.decimals = 1;
@@ -223,7 +225,8 @@ Figure causesFigure(const Verdict& verdict) {
   figure.panels.push_back(panel);
   figure.how_to_read =
       "Each cause alone was dropped and all others were fitted again; the bar is how much of the "
-      "loss on motions held out goes when it is put back. Shares do not add up to 100 %.";
+      "loss on motions held out goes when it is put back. The loss is squared, and counts position "
+      "and orientation alike. Shares do not add up to 100 %.";
   figure.good = "few causes with long bars, whose intervals stay clear of zero.";
   return figure;
 }
@@ -318,7 +321,7 @@ Figure foldsFigure(const Verdict& verdict) {
   }
   figure.how_to_read =
       "Motion i is in fold i modulo the number of folds; each fold was predicted with parameters "
-      "fitted without it.";
+      "fitted without it, and with causes that were chosen with all motions in view.";
   figure.good = "the solid line is low and level: the gain does not hang on a few motions.";
   return figure;
 }

@@ -5,6 +5,7 @@
 #include "diagnosis_figures.h"
 #include "diagnosis_words.h"
 #include "health_html.h"
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 
@@ -34,7 +35,7 @@ std::vector<std::string> findings(const Verdict& verdict) {
     lines.push_back(
         verdict.labels[i] + (meaning.empty() ? "" : " (" + meaning + ")") + " explains " +
         percentWithInterval(cause.share, cause.lower, cause.upper) +
-        " of the error that is there without it" +
+        " of the held-out loss that is there without it" +
         (cause.equals.empty()
              ? "."
              : "; it cannot be told from " + joined(equalLabels(verdict, cause), "or") + " here."));
@@ -43,21 +44,25 @@ std::vector<std::string> findings(const Verdict& verdict) {
   return lines;
 }
 
+/// "noise floor 0.12 mm (RMS)"; empty where no frames tell it.
+std::string floorText(double floor, double scale, const char* unit) {
+  return floor > 0.0 ? format("noise floor %.2f %s (RMS)", scale * floor, unit) : "";
+}
+
 std::vector<KeyNumber> keyNumbers(const Verdict& verdict) {
   std::vector<KeyNumber> numbers;
   const ErrorSizes& before = verdict.before.sizes;
   const ErrorSizes& after = verdict.after.sizes;
   if (verdict.has_kinematics) {
-    numbers.push_back(
-        {"median position error",
-         changeText(before.position_median, after.position_median, kMillimetre, "mm"),
-         "noise floor " + format("%.2f mm (RMS)", kMillimetre * verdict.noise_floor)});
+    numbers.push_back({"median position error",
+                       changeText(before.position_median, after.position_median, kMillimetre, "mm"),
+                       floorText(verdict.noise_floor, kMillimetre, "mm")});
     numbers.push_back({"95 % of position errors below",
                        changeText(before.position_p95, after.position_p95, kMillimetre, "mm"), ""});
     numbers.push_back(
         {"median orientation error",
          changeText(before.orientation_median, after.orientation_median, kDegree, "deg"),
-         "noise floor " + format("%.2f deg (RMS)", kDegree * verdict.angle_floor)});
+         floorText(verdict.angle_floor, kDegree, "deg")});
   }
   numbers.push_back({verdict.has_kinematics ? "gain (position, RMS)" : "gain (RMS, mean of joints)",
                      format("%.1f %%", kPercent * verdict.gain),
@@ -81,8 +86,11 @@ void appendCauses(const Verdict& verdict, HtmlDocument& document) {
   }
   HtmlTable table;
   table.caption =
-      "Explained: share of the held-out error that is there without this cause and goes with it, "
-      "with its 95 % interval over motions. Parameters with one standard deviation.";
+      "Explained: share of the held-out loss that is there without this cause and goes with it, "
+      "with its 95 % interval over motions. The loss is squared and counts position and "
+      "orientation "
+      "alike, so a share of it is no share of the millimetres. Parameters with one standard "
+      "deviation.";
   table.header = {"cause", "parameters", "explained", "cannot be told from", "next best"};
   for (std::size_t i = 0; i < verdict.causes.size(); ++i) {
     const Cause& cause = verdict.causes[i];
@@ -116,8 +124,10 @@ void appendErrors(const Verdict& verdict, HtmlDocument& document) {
   document.section("How large the error is");
   HtmlTable table;
   table.caption =
-      "Measured minus simulated. After: every motion predicted with parameters that were fitted "
-      "without it.";
+      "Measured minus simulated. All causes: every motion predicted with parameters that were "
+      "fitted without it. Last row: a Gaussian process has learnt from what the causes leave of "
+      "the "
+      "other motions.";
   const auto add = [&](const char* name, const DiagnosisErrors& errors) {
     const ErrorSizes& sizes = errors.sizes;
     std::vector<std::string> row{name};
@@ -147,6 +157,7 @@ void appendErrors(const Verdict& verdict, HtmlDocument& document) {
   if (verdict.aligned) add("registration and tool frame alone", verdict.after_alignment);
   add("all causes, motions held out", verdict.after);
   table.emphasised = {table.rows.size() - 1};
+  add("and what a process learns from that", verdict.after_learning);
   document.table(table);
   document.figure(errorDistributionFigure(verdict));
   if (verdict.has_kinematics) {
@@ -171,15 +182,23 @@ void appendLeft(const Verdict& verdict, HtmlDocument& document) {
   document.section("What is left");
   document.note(verdict.unexplained ? Tone::kNotice : Tone::kGood, unexplainedText(verdict));
   document.paragraph(
-      format("A regression on all of these quantities together still predicts %s of the squared "
-             "residual after, on motions it has not learnt from: this is about what a correction "
-             "could learn on top of the physics.",
+      format("A linear regression on functions of all of these quantities together predicts %s of "
+             "the squared residual after, on motions it has not learnt from: whether there is "
+             "structure, and in what. Single wrong samples are clipped there, so it does not say "
+             "how much smaller the error can become.",
              percentWithInterval(verdict.left.anything.share, verdict.left.anything.lower,
                                  verdict.left.anything.upper)
                  .c_str()));
-  if (verdict.has_kinematics)
+  document.paragraph(format(
+      "What a correction could learn on top of the physics: a Gaussian process with the "
+      "features that it has live takes %s off the RMS %s that the causes leave, on motions "
+      "held out. Near or below 0 %%: there is nothing for it to learn.",
+      percentWithInterval(verdict.learnable, verdict.learnable_lower, verdict.learnable_upper)
+          .c_str(),
+      verdict.has_kinematics ? "of position" : "(mean of joints)"));
+  if (verdict.has_kinematics && verdict.noise_floor > 0.0)
     document.paragraph(
-        format("Noise floor, from one sample to the next, which no model can explain: %.2f mm and "
+        format("Noise floor, from one frame to the next, which no model can explain: %.2f mm and "
                "%.2f deg RMS.",
                kMillimetre * verdict.noise_floor, kDegree * verdict.angle_floor));
 }

@@ -2,6 +2,7 @@
 #include "raven_correction/report/diagnosis_report.h"
 
 #include "diagnosis_words.h"
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 
@@ -32,10 +33,12 @@ std::string causesText(const Verdict& verdict) {
            "to.\n";
   std::string text =
       verdict.causes.size() == 1
-          ? std::string("One cause explains it:\n")
+          ? std::string(
+                "One cause explains it, with its share of the held-out loss that is there "
+                "without it (squared, position and orientation alike):\n")
           : format(
-                "%zu causes together explain it, each with its share of the error that "
-                "is there without it:\n",
+                "%zu causes together explain it, each with its share of the held-out loss that "
+                "is there without it (squared, position and orientation alike):\n",
                 verdict.causes.size());
   for (std::size_t i = 0; i < verdict.causes.size(); ++i)
     text += "  " + causeText(verdict, i) + "\n";

@@ -6,6 +6,7 @@
 
 #include "health_html.h"
 #include "raven_correction/error.h"
+#include "raven_correction/report/fidelity_report.h"
 #include "raven_correction/report/figure_limits.h"
 #include "report_json.h"
 
@@ -105,25 +106,26 @@ void appendRows(const FidelityResult& result, HtmlDocument& document) {
 std::string fidelityHtml(const FidelityResult& result, const std::vector<StreamHealth>& streams,
                          const RunRecord& run) {
   HtmlDocument document("Fidelity of the simulation",
-                        "How like the measured session the simulated one is, on trajectories that "
-                        "the simulation was not fitted to.");
-  std::vector<std::string> missed;
+                        "How like the measured session the simulated one is, on a part of its "
+                        "trajectories.");
+  std::vector<std::string> found{fidelitySplit(result)};
   for (const FidelityCriterion& criterion : result.criteria)
     if (!criterion.met())
-      missed.push_back(format("%s: %+.3f %s, allowed is %g.", criterion.name.c_str(),
-                              criterion.value, criterion.unit.c_str(), criterion.limit));
-  const std::size_t met = result.criteria.size() - missed.size();
+      found.push_back(format("%s: %+.3f %s, allowed is %g.", criterion.name.c_str(),
+                             criterion.value, criterion.unit.c_str(), criterion.limit));
+  const std::size_t met = result.criteria.size() - (found.size() - 1);
+  const bool all_met = met == result.criteria.size();
   std::vector<std::string> next;
-  if (missed.empty())
+  if (all_met)
     next.emplace_back("Use the simulation to try planners and trainers before the robot.");
   else
     next.emplace_back(
         "Find what is missing (diagnose INPUT --simulation S -o extended.yaml), and "
         "compare again with the extended simulation.");
-  document.verdict(missed.empty() ? Tone::kGood : Tone::kWarning,
+  document.verdict(all_met ? Tone::kGood : Tone::kWarning,
                    format("%zu of %zu requirements are met on %zu trajectories.", met,
                           result.criteria.size(), result.trajectories),
-                   missed, next);
+                   found, next);
   document.section("Requirements");
   HtmlTable table;
   table.caption = "Simulated against measured: a ratio minus one, or a difference.";

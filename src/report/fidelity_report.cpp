@@ -25,10 +25,20 @@ Json ladderJson(const LadderValue& position, const LadderValue& angle) {
 
 }  // namespace
 
+std::string fidelitySplit(const FidelityResult& result) {
+  const std::string which = format(
+      "Figures are of the %zu trajectories i with i %% %d == %d (counted from zero by start time)",
+      result.trajectories, result.hold_out.folds, result.hold_out.fold);
+  if (result.overlap.independent()) return which + ": the simulation was fitted to none of them.";
+  if (result.overlap.known)
+    return which + format(": the simulation was fitted to %zu of them, so they flatter it.",
+                          result.overlap.seen);
+  return which + ": a test of the simulation where it was not fitted to these.";
+}
+
 std::string fidelityText(const FidelityResult& result) {
   std::string text =
-      format("%zu trajectories that the simulation was not fitted to\n\n%-62s %10s %10s\n",
-             result.trajectories, "quantity", "measured", "simulated");
+      fidelitySplit(result) + format("\n\n%-62s %10s %10s\n", "quantity", "measured", "simulated");
   for (const StatisticsRow& row : result.rows)
     text += format("%-62s %10.4g %10.4g %s\n", row.quantity.c_str(), row.measured, row.simulated,
                    row.unit.c_str());
@@ -78,6 +88,7 @@ std::string fidelityJson(const FidelityResult& result) {
     json["criteria"].push_back(entry);
   }
   json["trajectories"] = result.trajectories;
+  json["hold_out"] = {{"fold", result.hold_out.fold}, {"folds", result.hold_out.folds}};
   return json.dump(1) + "\n";
 }
 

@@ -53,13 +53,14 @@ class Painter {
       lower.clear();
     };
     for (std::size_t i = 0; i < layer.x.size(); ++i) {
-      const double a = element(layer.lower, i), b = element(layer.upper, i);
-      if (!std::isfinite(layer.x[i]) || !std::isfinite(a) || !std::isfinite(b)) {
+      const Pixel below = area_.at(layer.x[i], element(layer.lower, i));
+      const Pixel above = area_.at(layer.x[i], element(layer.upper, i));
+      if (!isFinite(below) || !isFinite(above)) {
         flush();
         continue;
       }
-      lower.push_back(area_.at(layer.x[i], a));
-      upper.push_back(area_.at(layer.x[i], b));
+      lower.push_back(below);
+      upper.push_back(above);
     }
     flush();
   }
@@ -77,9 +78,10 @@ class Painter {
       outline.push_back(area_.at(layer.edges[i + 1], layer.counts[i]));
     }
     outline.push_back(area_.at(layer.edges.back(), 0.0));
-    if (!layer.hollow)
-      canvas_.path(polyline(outline) + "Z", {"none", colourOf(layer.ink), 1.0, {}, 0.35});
-    canvas_.path(polyline(outline), {colourOf(layer.ink), "none", kLineWidth, layer.stroke});
+    const std::string data = polyline(outline);
+    if (!layer.hollow && !data.empty())
+      canvas_.path(data + "Z", {"none", colourOf(layer.ink), 1.0, {}, 0.35});
+    canvas_.path(data, {colourOf(layer.ink), "none", kLineWidth, layer.stroke});
   }
 
   void operator()(const Boxes& layer) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "svg_canvas.h"
 
+#include <cassert>
 #include <cmath>
 
 #include "raven_correction/error.h"
@@ -25,11 +26,12 @@ std::string at(const char* x, const char* y, const Pixel& pixel) {
          "\"";
 }
 
-bool isFinite(const Pixel& pixel) { return std::isfinite(pixel.x) && std::isfinite(pixel.y); }
-
 }  // namespace
 
+bool isFinite(const Pixel& pixel) { return std::isfinite(pixel.x) && std::isfinite(pixel.y); }
+
 std::string pixels(double value) {
+  assert(std::isfinite(value));  // the canvas leaves out what is not
   if (!std::isfinite(value)) return "0";
   std::string text = format("%.1f", value);
   if (text.compare(text.size() - 2, 2, ".0") == 0) text.resize(text.size() - 2);
@@ -37,10 +39,12 @@ std::string pixels(double value) {
 }
 
 void SvgCanvas::line(const Pixel& from, const Pixel& to, const Paint& paint) {
+  if (!isFinite(from) || !isFinite(to)) return;
   out_ += "<line" + at("x1", "y1", from) + at("x2", "y2", to) + attributes(paint) + "/>";
 }
 
 void SvgCanvas::rectangle(const Pixel& corner, double width, double height, const Paint& paint) {
+  if (!isFinite(corner) || !std::isfinite(width) || !std::isfinite(height)) return;
   out_ += "<rect" + at("x", "y", corner) + " width=\"" + pixels(std::max(0.0, width)) +
           "\" height=\"" + pixels(std::max(0.0, height)) + "\"" + attributes(paint) + "/>";
 }
@@ -84,6 +88,7 @@ void SvgCanvas::dots(const std::vector<Pixel>& points, Marker marker, double siz
 
 void SvgCanvas::text(const Pixel& where, const std::string& words, const char* anchor, double size,
                      const char* colour, double degrees, bool bold) {
+  if (!isFinite(where)) return;
   out_ += "<text" + at("x", "y", where) + " text-anchor=\"" + anchor + "\" font-size=\"" +
           pixels(size) + "\" fill=\"" + colour + "\"";
   if (bold) out_ += " font-weight=\"600\"";

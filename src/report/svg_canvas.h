@@ -16,6 +16,8 @@ std::string pixels(double value);
 struct Pixel {
   double x = 0.0, y = 0.0;
 };
+/// False for what a logarithmic axis makes of zero, e.g.
+bool isFinite(const Pixel& pixel);
 
 /// How a line or an area looks.
 struct Paint {
@@ -25,6 +27,7 @@ struct Paint {
   double opacity = 1.0;  ///< of both
 };
 
+/// Elements with a corner that is not finite are left out.
 class SvgCanvas {
  public:
   void line(const Pixel& from, const Pixel& to, const Paint& paint);

@@ -42,6 +42,18 @@ std::string place(const CoverageCell& cell) {
       cell.commands, cell.kept, cell.trajectories);
 }
 
+/// What physics says about the pairs, and how many it does not reach.
+std::string physicsText(const TrainingResult& result) {
+  return format(
+      "Physics: the way back through the simulation %s leaves %.2f mm and %.2f deg RMS on the "
+      "pairs "
+      "learnt from, the rigid step %.2f mm and %.2f deg. %zu more pairs are out of its reach, and "
+      "were not learnt from.",
+      result.simulation.c_str(), kMillimetre * result.physics_rms_position,
+      kDegree * result.physics_rms_angle, kMillimetre * result.rigid_rms_position,
+      kDegree * result.rigid_rms_angle, result.out_of_reach);
+}
+
 void appendVerdict(const TrainingResult& result, const TrainingPage& page, const Judged& judged,
                    HtmlDocument& document) {
   const ErrorSummary& none = judged.none_summary;
@@ -57,6 +69,10 @@ void appendVerdict(const TrainingResult& result, const TrainingPage& page, const
       "were kept.",
       result.model.training_pairs, result.model.training_trajectories, kPercent * kept / all));
   found.push_back(page.judged);
+  if (!result.simulation.empty()) {
+    found.push_back(physicsCaveat(result, page));
+    found.push_back(physicsText(result));
+  }
   found.push_back(format("%zu of %zu places that the robot was sent to are covered.",
                          page.coverage.covered, page.coverage.cells.size()));
   if (helps)
@@ -66,8 +82,7 @@ void appendVerdict(const TrainingResult& result, const TrainingPage& page, const
         page.model_file);
   else
     next.emplace_back(
-        "Do not switch this model on: it does not help on trajectories it has not "
-        "seen.");
+        "Do not switch this model on: it does not help on trajectories left out of its fit.");
   if (covered < kPoorlyCovered && !page.coverage.record_more.empty())
     next.push_back("Record more around " + place(page.coverage.record_more.front()) +
                    "; more places are listed below.");
@@ -82,10 +97,13 @@ void appendVerdict(const TrainingResult& result, const TrainingPage& page, const
     next.emplace_back(
         "The predicted intervals promise too much on trajectories not seen: record "
         "more motions, rather than longer ones.");
+  // What the process has not seen, its simulation may have.
+  const char* const on = isJudgedFairly(result, page) ? "On trajectories it has not seen"
+                                                      : "On trajectories left out of its fit";
   document.verdict(helps ? Tone::kGood : Tone::kWarning,
-                   format("On trajectories it has not seen, the correction turns %.1f mm and %.1f "
-                          "deg into %.2f mm and %.2f deg.",
-                          kMillimetre * none.position_norm, kDegree * none.angle_norm,
+                   format("%s, the correction turns %.1f mm and %.1f deg into %.2f mm and "
+                          "%.2f deg.",
+                          on, kMillimetre * none.position_norm, kDegree * none.angle_norm,
                           kMillimetre * full.position_norm, kDegree * full.angle_norm),
                    found, next);
   document.keyNumbers(
@@ -103,9 +121,11 @@ void appendVerdict(const TrainingResult& result, const TrainingPage& page, const
         "RMS on the pairs learnt from"}});
 }
 
-void appendHeldOut(const TrainingPage& page, const Judged& judged, HtmlDocument& document) {
-  document.section("Errors on trajectories not seen");
+void appendHeldOut(const TrainingResult& result, const TrainingPage& page, const Judged& judged,
+                   HtmlDocument& document) {
+  document.section("Errors on trajectories left out");
   document.paragraph(page.judged);
+  if (!result.simulation.empty()) document.paragraph(physicsCaveat(result, page));
   HtmlTable table;
   table.caption =
       "Mean \xC2\xB1 standard deviation of the absolute error of the predicted command.";
@@ -271,10 +291,12 @@ void appendModel(const TrainingResult& result, HtmlDocument& document) {
              "Least median of squares: robust deviation %.2f mm.",
              kMillimetre * result.rigid_rms_position, kDegree * result.rigid_rms_angle,
              kMillimetre * result.least_median_scale));
+  if (!result.simulation.empty()) document.paragraph(physicsText(result));
   HtmlTable table;
-  table.caption =
-      "What the process has learnt of each output: how large the correction beyond the rigid step "
-      "is (signal), and what no feature explains (noise), as standard deviations.";
+  table.caption = format(
+      "What the process has learnt of each output: how large the correction beyond %s is (signal), "
+      "and what no feature explains (noise), as standard deviations.",
+      result.simulation.empty() ? "the rigid step" : "what physics says");
   table.header = {"output", "unit", "signal", "noise", "length scales (smallest, median, largest)",
                   "search"};
   table.numeric = {false, false, true, true, true, false};
@@ -314,11 +336,11 @@ void appendModel(const TrainingResult& result, HtmlDocument& document) {
 std::string trainingHtml(const TrainingResult& result, const TrainingPage& page,
                          const RunRecord& run) {
   HtmlDocument document("Training of " + result.model.id,
-                        "What was learnt from which data, and how good it is on trajectories not "
-                        "seen.");
+                        "What was learnt from which data, and how good it is on trajectories left "
+                        "out of its fit.");
   const Judged judged = judge(page.held_out);
   appendVerdict(result, page, judged, document);
-  appendHeldOut(page, judged, document);
+  appendHeldOut(result, page, judged, document);
   appendCoverage(page.coverage, document);
   appendModel(result, document);
   document.section("Data health");

@@ -5,7 +5,73 @@
 #include "report_json.h"
 
 namespace raven_correction {
-std::string trainingText(const TrainingResult& result) {
+namespace {
+
+std::string normsText(const char* what, const ErrorSummary& errors) {
+  return format("%s %.2f mm, %.2f deg", what, kMillimetre * errors.position_norm,
+                kDegree * errors.angle_norm);
+}
+
+Json errorsJson(const ErrorSummary& errors) {
+  return {{"position_norm_mm", kMillimetre * errors.position_norm},
+          {"position_median_mm", kMillimetre * errors.position_median},
+          {"position_p95_mm", kMillimetre * errors.position_p95},
+          {"angle_norm_deg", kDegree * errors.angle_norm},
+          {"angle_mean_deg", kDegree * errors.angle_mean}};
+}
+
+Json heldOutJson(const TrainingPage& page) {
+  const ErrorSummary full = summarise(page.held_out.full);
+  Json json = {{"judged", page.judged},
+               {"n", full.n},
+               {"none", errorsJson(summarise(page.held_out.none))},
+               {"rigid", errorsJson(summarise(page.held_out.rigid))},
+               {"full", errorsJson(full)}};
+  json["coverage95"] =
+      std::vector<double>(full.coverage95.data(), full.coverage95.data() + full.coverage95.size());
+  return json;
+}
+
+Json coverageJson(const WorkspaceCoverage& coverage) {
+  Json json = {{"cell_mm", kMillimetre * coverage.cell},
+               {"cells", coverage.cells.size()},
+               {"covered", coverage.covered},
+               {"record_more", Json::array()}};
+  for (const CoverageCell& cell : coverage.record_more)
+    json["record_more"].push_back({{"x_mm", kMillimetre * cell.centre.x()},
+                                   {"y_mm", kMillimetre * cell.centre.y()},
+                                   {"z_mm", kMillimetre * cell.centre.z()},
+                                   {"commands", cell.commands},
+                                   {"kept", cell.kept},
+                                   {"trajectories", cell.trajectories}});
+  return json;
+}
+
+}  // namespace
+
+bool isJudgedFairly(const TrainingResult& result, const TrainingPage& page) {
+  return result.simulation.empty() || (page.overlap && page.overlap->independent());
+}
+
+std::string physicsCaveat(const TrainingResult& result, const TrainingPage& page) {
+  if (result.simulation.empty()) return "";
+  if (isJudgedFairly(result, page))
+    return format(
+        "The simulation %s, which comes before the process, was fitted to none of these %zu "
+        "trajectories either.",
+        result.simulation.c_str(), page.overlap->of);
+  if (page.overlap && page.overlap->known)
+    return format(
+        "The simulation %s, which comes before the process, was fitted to %zu of these %zu "
+        "trajectories: there the errors flatter it (diagnose --hold-out leaves the same ones out).",
+        result.simulation.c_str(), page.overlap->seen, page.overlap->of);
+  return format(
+      "The simulation %s comes before the process: these errors are of trajectories not seen only "
+      "if it was not diagnosed from them (diagnose --hold-out leaves the same ones out).",
+      result.simulation.c_str());
+}
+
+std::string trainingText(const TrainingResult& result, const TrainingPage* page) {
   std::string text;
   text += format("observations  %zu in all, %s\n", result.fates.total(),
                  describe(result.fates).c_str());
@@ -40,10 +106,21 @@ std::string trainingText(const TrainingResult& result) {
         "pairs\n",
         result.process.seconds_hyperparameters, result.process.seconds_posterior,
         result.process.rows_used);
+  if (page == nullptr) return text;
+  const ErrorSummary full = summarise(page->held_out.full);
+  text += format("held out      %zu states: %s; %s; %s (norms of the mean absolute errors)\n",
+                 full.n, normsText("no correction", summarise(page->held_out.none)).c_str(),
+                 normsText("rigid step", summarise(page->held_out.rigid)).c_str(),
+                 normsText("all steps", full).c_str());
+  text += "              " + page->judged + "\n";
+  if (!result.simulation.empty()) text += "              " + physicsCaveat(result, *page) + "\n";
+  text += format("coverage      %zu of %zu places that the robot was sent to\n",
+                 page->coverage.covered, page->coverage.cells.size());
   return text;
 }
 
-std::string trainingJson(const TrainingResult& result, const std::string& model_file) {
+std::string trainingJson(const TrainingResult& result, const std::string& model_file,
+                         const TrainingPage* page) {
   Json json;
   json["model"] = model_file;
   json["id"] = result.model.id;
@@ -82,6 +159,10 @@ std::string trainingJson(const TrainingResult& result, const std::string& model_
                      {"seconds_hyperparameters", result.process.seconds_hyperparameters},
                      {"seconds_posterior", result.process.seconds_posterior},
                      {"groups", groups}};
+  if (page != nullptr) {
+    json["held_out"] = heldOutJson(*page);
+    json["coverage"] = coverageJson(page->coverage);
+  }
   return json.dump(1) + "\n";
 }
 

@@ -46,6 +46,7 @@ DiagnosisJob jobOf(const Diagnose::Request& request) {
     throw InvalidInput(
         format("driven_by \"%s\" is not known; commands or encoders", request.driven_by.c_str()));
   job.ignore_encoders = request.ignore_encoders;
+  job.leave_out_validation = request.leave_out_validation;
   job.prismatic = request.prismatic;
   const auto number = [](const char* name, std::uint32_t value, std::uint32_t low,
                          std::uint32_t high, auto& option) {

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "raven_correction/diagnosis/separating_recording.h"
 #include "raven_correction/error.h"
+#include "raven_correction/evaluation/validated_training.h"
 
 namespace raven_correction {
 namespace {
@@ -77,8 +79,9 @@ DiagnosisCause causeToMsg(const Verdict& verdict, std::size_t index) {
 
 }  // namespace
 
-Verdict runDiagnosis(const Dataset& dataset, const SimulationConfig& simulation,
+Verdict runDiagnosis(const Dataset& all, const SimulationConfig& simulation,
                      const DiagnosisJob& job, const DiagnosisProgress& progress) {
+  const Dataset dataset = job.leave_out_validation ? splitForValidation(all).training : all;
   if (isJointData(dataset) && !job.output.empty())
     throw InvalidInput(format("%s: joint data has no robot to simulate; ask for no simulation file",
                               job.output.c_str()));
@@ -91,6 +94,10 @@ Verdict runDiagnosis(const Dataset& dataset, const SimulationConfig& simulation,
   Verdict verdict =
       diagnose(dataset, simulation, prismaticJoints(dataset, job.prismatic), options, progress);
   verdict.simulation.name = simulation.name + "_extended";
+  std::vector<double>& fitted_to = verdict.simulation.fitted_to;  // those of before are in it
+  for (const Trajectory& trajectory : dataset.trajectories) fitted_to.push_back(trajectory.start());
+  std::sort(fitted_to.begin(), fitted_to.end());
+  fitted_to.erase(std::unique(fitted_to.begin(), fitted_to.end()), fitted_to.end());
   verdict.simulation.description = "extended by what the diagnosis of " + dataset.name + " found";
   return verdict;
 }

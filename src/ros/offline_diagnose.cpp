@@ -45,7 +45,10 @@ void diagnoseInput(const Arguments& arguments) {
                            ? "config/simulation/nominal.yaml of the package"
                            : arguments.simulation},
         {"driven by", arguments.job.from},
-        {"left out", arguments.hold_out.empty() ? "nothing" : "fold " + arguments.hold_out},
+        {"left out",
+         arguments.hold_out.empty()
+             ? arguments.job.leave_out_validation ? "what a trainer validates models on" : "nothing"
+             : "fold " + arguments.hold_out},
         {"at most so many samples", job.options.recording.max_samples == 0
                                         ? "all"
                                         : std::to_string(job.options.recording.max_samples)}};
@@ -94,6 +97,9 @@ void addDiagnoseCommand(CLI::App& app) {
       ->check(CLI::Range(0, 100000000));
   command->add_option("--hold-out", arguments->hold_out,
                       "K/N: leave out trajectory i where i % N == K (zero-based, by start time)");
+  command->add_flag("--leave-out-validation", arguments->job.leave_out_validation,
+                    "leave out the trajectories that a trainer validates models on, so that it can "
+                    "judge a model with the extended simulation");
   command->add_option("--seed", arguments->job.options.selection.seed, "of the bootstrap");
   command->callback([arguments] { diagnoseInput(*arguments); });
 }

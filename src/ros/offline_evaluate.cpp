@@ -26,6 +26,11 @@ void evaluate(const Arguments& arguments) {
       {"paper", loadTrainingConfig(packageFile("config/trainer_case2014.yaml"))},
       {"best", loadTrainingConfig(arguments.config.empty() ? packageFile("config/trainer.yaml")
                                                            : arguments.config)}};
+  if (problem.configurations.back().second.simulation)
+    std::fputs(
+        "the simulation of the configuration is left out: Table I compares methods without physics "
+        "(experiment physics compares with it)\n",
+        stderr);
   ErrorSamples samples;
   if (!arguments.report.empty()) problem.observer = samples.observer();
   const Dataset dataset = readInputs(arguments.inputs);

@@ -110,7 +110,8 @@ void addExperimentCommand(CLI::App& app) {
   CLI::App* const command = experiment->add_subcommand(
       "fidelity",
       "Drives the simulation with the measured commands and prints, measured against simulated, on "
-      "trajectories that the simulation was not fitted to: errors, delay, cleaning, timing, errors "
+      "the trajectories of one fold (a test where the simulation was not fitted to them): errors, "
+      "delay, cleaning, timing, errors "
       "against joints and speed, and Table I");
   command->add_option("INPUT", arguments->input, "bag or data set directory")->required();
   command->add_option("--simulation", arguments->simulation,

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "raven_correction/correction/training.h"
 #include "raven_correction/error.h"
@@ -27,10 +28,7 @@ struct Arguments {
 TrainingPage pageOf(const TrainingResult& result, const Dataset& all, const Dataset& learnt,
                     const TrainingConfig& config, const std::string& hold_out) {
   TrainingPage page;
-  SynchronisationOptions gaps;
-  gaps.max_gap = config.max_gap;
-  gaps.max_gap_periods = config.max_gap_periods;
-  const double max_gap = commandGapLimit(all, gaps);
+  const double max_gap = commandGapLimit(all, config);
   if (!hold_out.empty()) {
     const Dataset left_out = selectFold(all, parseHoldOut(hold_out), true);
     page.held_out = heldOutErrors(result.model, left_out, max_gap);
@@ -48,6 +46,10 @@ TrainingPage pageOf(const TrainingResult& result, const Dataset& all, const Data
         "every fifth of them was judged on those %zu.",
         left_out.trajectories.size());
   }
+  if (config.simulation)
+    page.overlap =
+        overlapOf(*config.simulation,
+                  selectFold(all, hold_out.empty() ? HoldOut{0, 5} : parseHoldOut(hold_out), true));
   page.coverage = workspaceCoverage(learnt, config, result.model.delay);
   page.streams = streamHealth(all);
   return page;
@@ -76,20 +78,25 @@ void train(const Arguments& arguments) {
   const TrainingResult result =
       train(dataset, config, static_cast<double>(now.count()), showProgress);
   writeModelFile(result.model, arguments.output, arguments.force);
-  std::fputs(trainingText(result).c_str(), stdout);
   std::printf("model %s written to %s\n", result.model.id.c_str(), arguments.output.c_str());
+  // Where trajectories were left out, judging costs nothing; else a page is worth another training.
+  std::optional<TrainingPage> page;
+  if (!arguments.report.empty() || !arguments.hold_out.empty()) {
+    page = pageOf(result, all, dataset, config, arguments.hold_out);
+    page->model_file = arguments.output;
+  }
+  const TrainingPage* const judged = page ? &*page : nullptr;
+  std::fputs(trainingText(result, judged).c_str(), stdout);
   if (!arguments.json.empty())
-    writeTextFile(arguments.json, trainingJson(result, arguments.output));
+    writeTextFile(arguments.json, trainingJson(result, arguments.output, judged));
   if (arguments.report.empty()) return;
-  TrainingPage page = pageOf(result, all, dataset, config, arguments.hold_out);
-  page.model_file = arguments.output;
   RunRecord run = recordRun(arguments.inputs);
   run.settings = {{"configuration", arguments.config.empty() ? "config/trainer.yaml of the package"
                                                              : arguments.config},
                   {"simulation", arguments.simulation.empty() ? "that of the configuration, or none"
                                                               : arguments.simulation},
                   {"seed", std::to_string(config.process.seed)}};
-  writeTextFile(arguments.report, trainingHtml(result, page, run));
+  writeTextFile(arguments.report, trainingHtml(result, *page, run));
 }
 
 }  // namespace

@@ -42,6 +42,12 @@ SimulatedArmPort::SimulatedArmPort(const ros::NodeHandle& nh, const std::string&
 }
 
 void SimulatedArmPort::use(const SimulationConfig& config) {
+  if (config.robot.frame() != params_.base_frame)
+    throw InvalidInput(format(
+        "simulation %s: its robot %s is described in frame \"%s\", but base_frame is \"%s\": its "
+        "poses would be published in a frame that they are not in; set base_frame to the robot's",
+        config.name.c_str(), config.robot.name().c_str(), config.robot.frame().c_str(),
+        params_.base_frame.c_str()));
   if (cell_)
     cell_ = std::make_unique<SimulatedCell>(
         config, params_.rates, static_cast<std::uint64_t>(params_.seed), cell_->time());

@@ -39,11 +39,16 @@ void SimulatedCell::reset(double start) {
 }
 
 void SimulatedCell::restart(double start) {
-  const JointVector joints = arm_.setpointJoints();
-  const GripperState gripper = arm_.state().gripper;
-  arm_.reset(start, joints);
+  // Stamps move with the clock; where motors and joints are, what plays and lags remember, and how
+  // old the session is, stay.
   ArmState state = arm_.state();
-  state.gripper = gripper;
+  state.start += start - state.time;
+  state.time = start;
+  state.active = {start, state.setpoint};
+  state.pending.clear();
+  state.command_joints = state.setpoint;
+  state.pending_jaw.clear();
+  state.last_stamp = state.last_jaw_stamp = -std::numeric_limits<double>::infinity();
   arm_.restore(state);
   restartReports(start);
 }

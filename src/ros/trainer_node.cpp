@@ -178,7 +178,7 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
   response.model = model.id;
   response.delay = model.delay;
   response.pairs_total = static_cast<std::uint32_t>(result.training.fates.total());
-  response.pairs_kept = static_cast<std::uint32_t>(model.training_pairs);
+  response.pairs_kept = static_cast<std::uint32_t>(result.training.fates[Fate::kKept]);
   response.position_before_mm = 1e3 * result.none.position_norm;
   response.position_after_mm = 1e3 * result.full.position_norm;
   response.angle_before_deg = kDegree * result.none.angle_norm;

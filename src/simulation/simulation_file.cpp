@@ -225,6 +225,7 @@ SimulationConfig readSimulation(YamlReader& reader, SimulationConfig config, boo
   int mode = 0;
   reader.choice("setpoints", mode, kSetpointModes);
   config.setpoints = static_cast<SetpointMode>(mode);
+  reader.numberList("fitted_to", config.fitted_to);
   for (YamlReader& entry : reader.list("effects")) {
     if (!has_robot) break;  // what an effect may hold depends on the joints
     std::unique_ptr<Effect> effect = readEffect(entry, config.robot);
@@ -256,6 +257,11 @@ std::string simulationText(const SimulationConfig& config, const std::string& ro
   text += "encoder_rate: " + number(config.encoder_rate) +
           "\nquantise_encoders: " + (config.quantise_encoders ? "true" : "false") +
           "\nsetpoints: " + kSetpointModes[static_cast<std::size_t>(config.setpoints)] + "\n";
+  if (!config.fitted_to.empty())
+    text += "fitted_to: " +
+            vectorText(Eigen::Map<const Eigen::VectorXd>(
+                config.fitted_to.data(), static_cast<Eigen::Index>(config.fitted_to.size()))) +
+            "\n";
   text += config.effects.empty() ? "effects: []\n" : "effects:\n";
   for (const auto& effect : config.effects) {
     text += std::string("  - effect: ") + effect->name() + "\n";

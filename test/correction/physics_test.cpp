@@ -46,6 +46,40 @@ TEST(Physics, OfTheRobotItselfLeavesLessThanTheRigidStep) {
   EXPECT_EQ(result.model.physics.timing.delay, result.model.delay);
 }
 
+// Of a robot that stands a little off, some observed poses are out of reach: these are not counted
+// as learnt from.
+TEST(Physics, CountsThePairsThatAreLearntFrom) {
+  SimulationConfig off = robot();
+  off.set(makeEffect("base_registration", off.robot));
+  TrainingConfig config = quick(false);
+  std::size_t out_of_reach = 0;
+  for (double shift = 0.01; out_of_reach == 0 && shift < 0.1; shift += 0.01) {
+    std::unique_ptr<Effect> effect = makeEffect("base_registration", off.robot);
+    effect->setValue(2, shift);
+    off.set(std::move(effect));
+    config.simulation = std::make_shared<const SimulationConfig>(off);
+    const TrainingResult result = train(session(), config, 1.0);
+    out_of_reach = result.out_of_reach;
+    EXPECT_EQ(result.model.training_pairs, result.fates[Fate::kKept] - result.out_of_reach);
+    EXPECT_EQ(result.process.rows, static_cast<int>(result.model.training_pairs));
+  }
+  EXPECT_GT(out_of_reach, 0u);
+}
+
+// What was recorded a day before does not make the robot a day older.
+TEST(Physics, TheAgeIsThatOfTheLastSession) {
+  constexpr double kDay = 86400.0;
+  Dataset days = session();
+  for (std::size_t i = 4; i < days.trajectories.size(); ++i)
+    for (PoseStream* stream : {&days.trajectories[i].commands, &days.trajectories[i].observations,
+                               &days.trajectories[i].encoders})
+      for (StampedPose& sample : *stream) sample.stamp += kDay;
+  const double start = days.trajectories[4].commands.front().stamp;
+  const double age = physicsOf(robot(), days, 0.1).timing.age;
+  EXPECT_NEAR(age, days.trajectories.back().commands.back().stamp - start, 1e-9);
+  EXPECT_LT(age, 0.01 * kDay);
+}
+
 TEST(Physics, WithoutASimulationNothingChanges) {
   const TrainingResult result = train(session(), quick(false), 1.0);
   EXPECT_TRUE(result.model.physics.empty());

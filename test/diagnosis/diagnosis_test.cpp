@@ -9,6 +9,7 @@
 #include "diagnosis/fixtures.h"
 #include "diagnosis/judge.h"
 #include "plant/joint_session.h"
+#include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/error.h"
 #include "raven_correction/report/diagnosis_report.h"
 #include "raven_correction/simulation/session.h"
@@ -59,6 +60,37 @@ TEST(Recording, RefusesAnotherFrameAndOutOfReach) {
   for (Trajectory& trajectory : dataset.trajectories)
     for (StampedPose& command : trajectory.commands) command.pose.p *= 1000.0;  // millimetres
   EXPECT_THROW(makeRecording(dataset, nominal().robot, {}), InvalidInput);
+}
+
+// Creep of a day, and a homing and a registration for two days: no single simulation is of both.
+TEST(Recording, RefusesSeveralSessions) {
+  constexpr double kDay = 86400.0;
+  Dataset dataset = recorded(nominal());
+  dataset.source = "two.bag";
+  const auto shift = [&](std::size_t from, double seconds) {
+    for (std::size_t i = from; i < dataset.trajectories.size(); ++i) {
+      for (PoseStream* stream :
+           {&dataset.trajectories[i].commands, &dataset.trajectories[i].observations,
+            &dataset.trajectories[i].encoders})
+        for (StampedPose& sample : *stream) sample.stamp += seconds;
+      for (StampedJoints& sample : dataset.trajectories[i].joint_observations.samples)
+        sample.stamp += seconds;
+    }
+  };
+  shift(6, 0.5 * kLongestPause);
+  EXPECT_EQ(sessionStarts(dataset), std::vector<std::size_t>{0});
+  EXPECT_NO_THROW(makeRecording(dataset, nominal().robot, {}));
+  shift(7, kDay);
+  EXPECT_EQ(sessionStarts(dataset), (std::vector<std::size_t>{0, 7}));
+  try {
+    makeRecording(dataset, nominal().robot, {});
+    FAIL();
+  } catch (const InvalidInput& error) {
+    const std::string why = error.what();
+    EXPECT_NE(why.find("two.bag: 2 sessions"), std::string::npos) << why;
+    EXPECT_NE(why.find("trajectory " + dataset.trajectories[7].id), std::string::npos) << why;
+    EXPECT_NE(why.find("each on its own"), std::string::npos) << why;
+  }
 }
 
 // The simulation that made the recording explains it to the noise of the cameras.
@@ -122,19 +154,39 @@ TEST(NoiseFloor, IsThatOfTheCameras) {
   const Recording recording = makeRecording(recorded(nominal()), nominal().robot, {});
   const ResidualLayout layout = residualLayout(recording);
   const Eigen::VectorXd residual = residuals(recording, layout, nominal());
-  const Eigen::VectorXd floor = noiseFloor(recording, layout, residual);
+  const Eigen::VectorXd floor = noiseFloor(recording, nominal());
   const Eigen::VectorXd scale = channelScales(layout, residual);
   EXPECT_NEAR(floor(0), scale(0), 0.15 * scale(0));
   EXPECT_NEAR(floor(1), scale(1), 0.15 * scale(1));
+}
+
+// What is used of the recording does not change its noise: every tenth observation, of a robot
+// whose error is no noise, has the floor of all of them.
+TEST(NoiseFloor, DoesNotDependOnHowManySamplesAreUsed) {
+  const Dataset dataset = recorded(with("command_delay", 0, 0.1));
+  RecordingOptions options;
+  options.max_samples = 0;
+  const Recording all = makeRecording(dataset, nominal().robot, options);
+  std::size_t count = 0;
+  for (const Recording::Motion& motion : all.motions) count += motion.observations.size();
+  options.max_samples = count / 10;
+  const Recording few = makeRecording(dataset, nominal().robot, options);
+  const Eigen::VectorXd floor = noiseFloor(all, nominal());
+  EXPECT_LT((noiseFloor(few, nominal()) - floor).cwiseAbs().maxCoeff(), 1e-12);
+  // And that of the cameras, though the simulation is wrong by far more.
+  const Eigen::VectorXd right = noiseFloor(all, with("command_delay", 0, 0.1));
+  EXPECT_NEAR(floor(0), right(0), 0.1 * right(0));
+  EXPECT_NEAR(floor(1), right(1), 0.1 * right(1));
 }
 
 TEST(Dependence, SaysOnWhat) {
   const Recording recording =
       makeRecording(simulateSession(with("mocap_scale", 0, 0.02), 40, 5), nominal().robot, {});
   const ResidualLayout layout = residualLayout(recording);
-  Eigen::MatrixXd joints;
-  const Eigen::VectorXd residual = residuals(recording, layout, nominal(), &joints);
-  const DependenceResult result = residualDependence(recording, layout, residual, joints, 5, 1);
+  SimulatedSamples simulated;
+  const Eigen::VectorXd residual = residuals(recording, layout, nominal(), &simulated);
+  const DependenceResult result =
+      residualDependence(recording, layout, residual, simulated.joints, simulated, 5, 1);
   ASSERT_FALSE(result.groups.empty());
   EXPECT_EQ(result.groups.front().on, "position");
   EXPECT_GT(result.groups.front().lower, 0.02);

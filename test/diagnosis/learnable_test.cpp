@@ -25,7 +25,9 @@ const Data& data() {
     options.max_samples = 900;
     made.recording = makeRecording(simulateSession(nominal(), 20, 5), nominal().robot, options);
     made.layout = residualLayout(made.recording);
-    residuals(made.recording, made.layout, nominal(), &made.joints);
+    SimulatedSamples simulated;
+    residuals(made.recording, made.layout, nominal(), &simulated);
+    made.joints = simulated.joints;
     return made;
   }();
   return all;

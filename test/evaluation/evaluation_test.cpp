@@ -107,6 +107,36 @@ TEST(ValidatedTraining, HoldsTheSameTrajectoriesOutEveryTime) {
   EXPECT_THROW(trainAndValidate(simulated(2), quickConfig(), nullptr, 1.0), InvalidInput);
 }
 
+// A simulation that has seen what validates the model proves nothing: it does not go live.
+TEST(ValidatedTraining, DoesNotCountWhatTheSimulationWasFittedTo) {
+  const Dataset dataset = simulated(25);
+  const ValidationSplit split = splitForValidation(dataset);
+  ASSERT_FALSE(split.held_out.trajectories.empty());
+  EXPECT_EQ(split.training.trajectories.size() + split.held_out.trajectories.size(), 25u);
+  const auto validated = [&](const std::vector<const Dataset*>& fitted_to) {
+    SimulationConfig simulation =
+        loadSimulationConfig("config/simulation/raven2_left_case2014.yaml");
+    for (const Dataset* seen : fitted_to)
+      for (const Trajectory& trajectory : seen->trajectories)
+        simulation.fitted_to.push_back(trajectory.start() + 1e-6);  // rounded in a file
+    TrainingConfig config = quickConfig();
+    config.simulation = std::make_shared<const SimulationConfig>(std::move(simulation));
+    return trainAndValidate(dataset, config, nullptr, 1.0);
+  };
+  const ValidatedTraining fair = validated({&split.training});
+  EXPECT_TRUE(fair.better) << fair.verdict;
+  EXPECT_TRUE(fair.overlap->independent());
+  EXPECT_EQ(fair.verdict.find("fitted"), std::string::npos) << fair.verdict;
+  const ValidatedTraining leaks = validated({&split.training, &split.held_out});
+  EXPECT_FALSE(leaks.better) << leaks.verdict;
+  EXPECT_EQ(leaks.overlap->seen, split.held_out.trajectories.size());
+  EXPECT_NE(leaks.verdict.find("leave_out_validation"), std::string::npos) << leaks.verdict;
+  const ValidatedTraining unknown = validated({});
+  EXPECT_TRUE(unknown.better) << unknown.verdict;
+  EXPECT_NE(unknown.verdict.find("is not known"), std::string::npos) << unknown.verdict;
+  EXPECT_FALSE(trainAndValidate(dataset, quickConfig(), nullptr, 1.0).overlap.has_value());
+}
+
 TEST(TableOne, OrdersTheMethodsOnASimulatedSession) {
   TableOneProblem problem;
   problem.configurations = {{"best", quickConfig()}};
@@ -125,6 +155,16 @@ TEST(TableOne, OrdersTheMethodsOnASimulatedSession) {
           rejected += result.fates.count[i];
         return rejected;
       }());
+}
+
+// A simulation may have seen what a fold tests on, and no column of the table says "physics".
+TEST(TableOne, HasNoPhysicsInAnyMethod) {
+  TrainingConfig config = quickConfig();
+  config.simulation = std::make_shared<const SimulationConfig>(
+      loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+  for (int method = 0; method < static_cast<int>(Method::kCount); ++method)
+    EXPECT_EQ(configOf(static_cast<Method>(method), config).simulation, nullptr)
+        << methodName(static_cast<Method>(method));
 }
 
 TEST(TableOne, NeedsAsManyTrajectoriesAsFolds) {

@@ -158,6 +158,30 @@ TEST_F(NodesTest, TheWholeJob) {
                           ? CorrectionStatus::REFUSED_STALE
                           : CorrectionStatus::REFUSED_TIME_BACKWARDS);
 
+  // A dry run tells how good a model would be, even one that is forced; nothing is written, and the
+  // model in use stays.
+  const auto written = [] {
+    std::set<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(directory()))
+      files.insert(entry.path().string());
+    return files;
+  };
+  const std::set<std::string> files = written();
+  Retrain dry = retrain;
+  dry.response = Retrain::Response();
+  dry.request.dry_run = true;
+  dry.request.force = true;
+  dry.request.output = directory() + "/models/dry.bag";
+  dry = call("trainer/retrain", dry);
+  ASSERT_TRUE(dry.response.success) << dry.response.message;
+  EXPECT_GT(dry.response.position_after_mm, 0.0);
+  EXPECT_FALSE(dry.response.live);
+  EXPECT_TRUE(dry.response.files.empty());
+  EXPECT_NE(dry.response.message.find("nothing written"), std::string::npos);
+  EXPECT_EQ(written(), files);
+  EXPECT_EQ(model_id_, model);
+  EXPECT_EQ(send(desired()).model, model);
+
   // A second model that is forced, and the way back.
   Retrain again = retrain;
   again.request.force = true;

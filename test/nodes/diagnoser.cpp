@@ -31,8 +31,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLimit = 60.0;   // for a diagnosis of seconds [s]
-constexpr double kOffset = 0.05;  // hidden [rad]
+constexpr double kLimit = 60.0;       // for a diagnosis of seconds [s]
+constexpr double kEndOfRound = 15.0;  // for the pass that is under way when it is shut down [s]
+constexpr double kOffset = 0.05;      // hidden [rad]
 
 std::string directory() {
   std::string path;
@@ -164,26 +165,76 @@ TEST_F(Diagnoser, NamesWhatIsHiddenAndRefusesWhatIsBad) {
   const SimulationConfig extended = loadSimulationConfig(response.files.front());
   EXPECT_NE(extended.find("joint_offset"), nullptr);
 
-  // Files are never replaced, and nothing is written in a dry run.
+  // Files are never replaced.
   response = call(request);
   EXPECT_FALSE(response.success);
   EXPECT_NE(response.message.find("exists"), std::string::npos) << response.message;
   EXPECT_EQ(verdicts(), 1u);
+
+  // A dry run has a verdict, and writes nothing: whatever the names.
+  const auto written = [] {
+    std::set<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(directory()))
+      files.insert(entry.path().string());
+    return files;
+  };
+  const std::set<std::string> before = written();
+  request.dry_run = true;
+  request.output = "dry.yaml";
+  request.json = "dry.json";
+  response = call(request);
+  ASSERT_TRUE(response.success) << response.message;
+  EXPECT_EQ(response.causes.front(), "joint_offset of elbow");
+  EXPECT_NE(response.message.find("nothing written"), std::string::npos) << response.message;
+  EXPECT_TRUE(response.files.empty());
+  EXPECT_EQ(written(), before);
+  EXPECT_TRUE(waitFor([&] { return verdicts() == 2; }, kLimit));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  EXPECT_EQ(verdicts_.back().file, "");
 }
 
-/// Asks a node to shut down, as `rosnode kill` does.
-bool shutDown(const std::string& node) {
-  XmlRpc::XmlRpcValue request, response, payload;
-  request[0] = ros::this_node::getName();
-  request[1] = node;
-  std::string host;
-  std::uint32_t port = 0;
-  if (!ros::master::execute("lookupNode", request, response, payload, false) ||
-      !ros::network::splitURI(static_cast<std::string&>(payload), host, port))
-    return false;
-  XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
-  request[1] = "test";
-  return client.execute("shutdown", request, response);
+/// The slave API of another node, as rosnode uses it.
+class OtherNode {
+ public:
+  explicit OtherNode(const std::string& name) {
+    XmlRpc::XmlRpcValue request, response, payload;
+    request[0] = ros::this_node::getName();
+    request[1] = name;
+    known_ = ros::master::execute("lookupNode", request, response, payload, false) &&
+             ros::network::splitURI(static_cast<std::string&>(payload), host_, port_);
+  }
+  /// Process id; 0 if the node does not say.
+  int pid() {
+    XmlRpc::XmlRpcValue response;
+    return execute("getPid", response) ? static_cast<int>(response[2]) : 0;
+  }
+  /// Asks it to shut down, as `rosnode kill` does.
+  bool shutDown() {
+    XmlRpc::XmlRpcValue response;
+    return execute("shutdown", response);
+  }
+
+ private:
+  bool execute(const char* method, XmlRpc::XmlRpcValue& response) {
+    if (!known_) return false;
+    XmlRpc::XmlRpcClient client(host_.c_str(), static_cast<int>(port_), "/");
+    XmlRpc::XmlRpcValue request;
+    request[0] = ros::this_node::getName();
+    if (std::string(method) == "shutdown") request[1] = "test";
+    return client.execute(method, request, response);
+  }
+  std::string host_;
+  std::uint32_t port_ = 0;
+  bool known_ = false;
+};
+
+/// A process that has ended but was not waited for yet counts as gone.
+bool isRunning(int pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string text;
+  if (!std::getline(file, text)) return false;
+  const std::size_t name_end = text.rfind(')');
+  return name_end == std::string::npos || text.compare(name_end, 3, ") Z") != 0;
 }
 
 TEST_F(Diagnoser, AShutdownEndsTheWork) {
@@ -205,9 +256,16 @@ TEST_F(Diagnoser, AShutdownEndsTheWork) {
            service.response.success;
   });
   ASSERT_TRUE(waitFor([&] { return running.load(); }, kLimit));
-  ASSERT_TRUE(shutDown(nh_.resolveName("victim")));
+  OtherNode victim(nh_.resolveName("victim"));
+  const int pid = victim.pid();
+  ASSERT_GT(pid, 0);
+  ASSERT_TRUE(isRunning(pid));
+  ASSERT_TRUE(victim.shutDown());
   EXPECT_EQ(answer.wait_for(std::chrono::duration<double>(kLimit)), std::future_status::ready);
   EXPECT_FALSE(answer.get());
+  // The client is dropped at once; the process ends when the work does, and that is long before the
+  // diagnosis would be through.
+  EXPECT_TRUE(waitFor([&] { return !isRunning(pid); }, kEndOfRound));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/simulator_node.h"
 #include "support/node_main.h"
+#include "support/temporary_directory.h"
 #include "support/wait_for.h"
 
 namespace raven_correction {
@@ -260,6 +262,17 @@ TEST_F(Simulator, LoadsAnotherSimulationAndKeepsItsOwnWhereItCannot) {
   ASSERT_TRUE(ros::service::call(nh.resolveName("simulator/load"), load));
   EXPECT_FALSE(load.response.success);
   EXPECT_NE(load.response.message.find("no_such_file.yaml"), std::string::npos);
+  EXPECT_EQ(load.response.model, "demo");
+
+  // A robot that is described in another frame than the one that is published.
+  const TemporaryDirectory temporary;
+  load.request.file = temporary.path() + "/gold.yaml";
+  std::ofstream(load.request.file)
+      << "name: gold\nrobot: " << directory << "/robots/raven2_gold.yaml\n";
+  ASSERT_TRUE(ros::service::call(nh.resolveName("simulator/load"), load));
+  EXPECT_FALSE(load.response.success);
+  EXPECT_NE(load.response.message.find("raven2_gold_base"), std::string::npos)
+      << load.response.message;
   EXPECT_EQ(load.response.model, "demo");
 
   load.request.file = directory + "/simulation/nominal.yaml";

@@ -2,7 +2,11 @@
 #include "raven_correction/report/diagnosis_html.h"
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <set>
 
 #include "raven_correction/error.h"
 #include "raven_correction/report/diagnosis_report.h"
@@ -64,6 +68,8 @@ TEST(DiagnosisHtml, BeginsWithTheVerdictAndWhatToDo) {
   EXPECT_TRUE(contains(page, "extended.yaml"));
   ASSERT_FALSE(diagnosed().verdict.causes.empty());
   for (const std::string& label : diagnosed().verdict.labels) EXPECT_TRUE(contains(page, label));
+  // What is held out and what is not stands where the gain does.
+  EXPECT_LT(page.find("chosen with all motions in view"), page.find("<figure>"));
 }
 
 TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
@@ -72,7 +78,8 @@ TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
   const std::pair<const char*, const char*> rows[] = {
       {"before", "simulation as given"},
       {"after_alignment", "registration and tool frame alone"},
-      {"after", "all causes, motions held out"}};
+      {"after", "all causes, motions held out"},
+      {"after_learning", "and what a process learns from that"}};
   for (const auto& [side, name] : rows) {
     if (!json.contains(side)) continue;
     std::string expected;
@@ -82,6 +89,10 @@ TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
     EXPECT_TRUE(contains(page, "<td>" + std::string(name) + "</td>" + expected)) << side;
   }
   EXPECT_TRUE(contains(page, format("%.1f %%", json["gain_percent"].get<double>())));
+  EXPECT_TRUE(contains(page, format("takes %.1f %% (%.1f to %.1f %%) off the RMS of position",
+                                    json["learnable_percent"].get<double>(),
+                                    json["learnable_interval_percent"][0].get<double>(),
+                                    json["learnable_interval_percent"][1].get<double>())));
   for (const nlohmann::json& cause : json["causes"]) {
     EXPECT_TRUE(
         contains(page, format("%.1f %% (%.1f to %.1f %%)", cause["explained_percent"].get<double>(),
@@ -94,6 +105,40 @@ TEST(DiagnosisHtml, SaysTheNumbersOfTheJson) {
   }
   EXPECT_TRUE(contains(page, std::to_string(json["data"]["observations_thinned"].get<int>())));
   EXPECT_TRUE(json["depends_on_before"].contains("delay"));
+}
+
+/// All keys of a JSON value, but for names of parameters, of groups and of data counts.
+void collectKeys(const nlohmann::json& json, const std::string& parent,
+                 std::set<std::string>& keys) {
+  if (json.is_array())
+    for (const auto& element : json) collectKeys(element, parent, keys);
+  if (!json.is_object() || parent == "data") return;
+  const bool named = parent == "parameters" || parent.find("depends_on_") == 0;
+  for (const auto& [key, value] : json.items()) {
+    if (!named) keys.insert(key);
+    collectKeys(value, named ? "" : key, keys);
+  }
+}
+
+// The header is what users of the JSON read.
+TEST(DiagnosisJson, HasTheKeysOfItsHeader) {
+  std::ifstream file("include/raven_correction/report/diagnosis_report.h");
+  std::string header(std::istreambuf_iterator<char>(file), {});
+  header = header.substr(header.find("/// {\"causes\""));
+  header.resize(header.find("/// Joint data"));
+  std::set<std::string> promised, written;
+  const std::regex quoted("\"([a-z_0-9]+)\"");
+  for (std::sregex_iterator at(header.begin(), header.end(), quoted), end; at != end; ++at)
+    promised.insert((*at)[1]);
+  Verdict verdict = diagnosed().verdict;  // with everything that need not be there
+  verdict.aligned = true;
+  verdict.after_alignment = verdict.before;
+  Cause& cause = verdict.causes.front();
+  cause.equals = {cause.hypothesis};
+  cause.has_runner_up = true;
+  cause.runner_up = cause.hypothesis;
+  collectKeys(nlohmann::json::parse(diagnosisJson(verdict)), "", written);
+  EXPECT_EQ(written, promised);
 }
 
 // "elbow, before" stands beside "elbow, after": what can be compared has the same limits.
@@ -125,6 +170,32 @@ TEST(DiagnosisHtml, HoldsNumbersThatAreNone) {
   verdict.shown.groups[0].share = std::nan("");
   verdict.causes[0].share = std::nan("");
   EXPECT_EQ(problemsOf(pageOf(diagnosed().dataset, verdict)), "");
+}
+
+// An interval that crosses zero is drawn to its end: the axis goes below zero, too.
+TEST(DiagnosisHtml, ShowsIntervalsThatCrossZero) {
+  const auto ticks = [](const std::string& page) {
+    for (const Picture& picture : picturesOf(page))
+      if (contains(picture.svg, "share of the held-out loss")) return picture.svg;
+    return std::string();
+  };
+  Verdict verdict = diagnosed().verdict;
+  const std::string minus = ">\xE2\x88\x92";  // at the beginning of a tick's label
+  for (Cause& cause : verdict.causes) cause.lower = std::max(cause.lower, 0.0);
+  const std::string above = ticks(pageOf(diagnosed().dataset, verdict));
+  ASSERT_FALSE(above.empty());
+  EXPECT_FALSE(contains(above, minus));
+  verdict.causes[0].lower = -0.6;
+  EXPECT_TRUE(contains(ticks(pageOf(diagnosed().dataset, verdict)), minus));
+}
+
+TEST(DiagnosisHtml, HasNoNoiseFloorWhereNoFramesTellIt) {
+  ASSERT_TRUE(contains(diagnosed().page, "noise floor (RMS)"));
+  Verdict verdict = diagnosed().verdict;
+  verdict.noise_floor = verdict.angle_floor = 0.0;
+  const std::string page = pageOf(diagnosed().dataset, verdict);
+  EXPECT_FALSE(contains(page, "noise floor (RMS)"));
+  EXPECT_FALSE(contains(page, "oise floor 0.00"));
 }
 
 TEST(DiagnosisHtml, ClaimsNothingWhereThereIsNothing) {

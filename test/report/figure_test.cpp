@@ -140,6 +140,41 @@ TEST(Panel, IsWellFormedWhateverTheNumbers) {
   EXPECT_TRUE(contains(panelSvg(constant), ">3.0</text>"));
 }
 
+// Zero is infinitely far away on a logarithmic axis: what stands there is left out, and not drawn
+// at the edge as if it were a value.
+TEST(Panel, LeavesOutWhatALogarithmicAxisDoesNotHave) {
+  Panel panel;
+  panel.x = panel.y = Axis("size", "mm");
+  panel.x.logarithmic = panel.y.logarithmic = true;
+  panel.x.lower = panel.y.lower = 0.1;
+  panel.x.upper = panel.y.upper = 10.0;
+  Line line;
+  line.x = line.y = {0.2, 1.0, 5.0};
+  panel.layers = {line};
+  const std::string without = panelSvg(panel);
+  for (const bool vertical : {true, false}) {
+    Rule rule;
+    rule.vertical = vertical;
+    for (const double nowhere : {0.0, -1.0, kNan}) {
+      rule.value = nowhere;
+      panel.layers = {line, rule};
+      EXPECT_EQ(panelSvg(panel), without) << nowhere;
+    }
+    rule.value = 2.0;
+    panel.layers = {line, rule};
+    EXPECT_NE(panelSvg(panel), without);
+  }
+  Band band;
+  band.x = {0.2, 1.0, 5.0};
+  band.lower = {0.0, 0.0, 0.0};
+  band.upper = {1.0, 1.0, 1.0};
+  Boxes boxes;
+  boxes.position = {1.0};
+  boxes.quantiles = {{0.0, 0.0, 0.0, 0.0, 0.0}};
+  panel.layers = {line, band, boxes};
+  EXPECT_EQ(panelSvg(panel), without);
+}
+
 TEST(Panel, HasUnitsOnItsAxesAndNeedsNoColour) {
   const std::string svg = panelSvg(everything());
   EXPECT_TRUE(contains(svg, "speed [mm/s]"));
@@ -173,6 +208,20 @@ TEST(ShareLimits, MakesBeforeAndAfterComparable) {
   EXPECT_EQ(a.y.upper, b.y.upper);
   EXPECT_LT(a.y.lower, -5.0);
   EXPECT_EQ(labelsAtEnd(panelSvg(before)), labelsAtEnd(panelSvg(after)));
+  // Limits of its own are data like any other: the shared ones hold them.
+  before.y = after.y = Axis("error", "mm");
+  before.y.upper = 9.0;
+  shareLimits({&before, &after}, false, true);
+  EXPECT_EQ(limitsOf(after).y.upper, 9.0);
+  EXPECT_LT(limitsOf(before).y.lower, -5.0);
+  EXPECT_EQ(limitsOf(before).y.lower, limitsOf(after).y.lower);
+}
+
+TEST(Panel, IsDescribedByItsAxesWhereNothingElseIsSaid) {
+  Panel panel = everything();
+  EXPECT_TRUE(contains(panelSvg(panel), "<desc>error [mm] against speed [mm/s]</desc>"));
+  panel.description = "how fast, how wrong";
+  EXPECT_TRUE(contains(panelSvg(panel), "<desc>how fast, how wrong</desc>"));
 }
 
 TEST(LimitTo, KeepsWildValuesFromSqueezingTheRest) {

@@ -49,6 +49,20 @@ inline std::string withPlainSpaces(std::string page) {
   return page;
 }
 
+/// The table whose caption begins like this, in XML; empty if there is none.
+inline std::string tableUnder(const std::string& page, const std::string& caption) {
+  const std::size_t begin = page.find("<caption>" + caption);
+  if (begin == std::string::npos) return "";
+  return page.substr(begin, page.find("</table>", begin) - begin);
+}
+
+/// A whole row of a table: a name, then numbers.
+inline std::string rowOf(const std::string& name, const std::vector<std::string>& numbers) {
+  std::string row = "<td>" + name + "</td>";
+  for (const std::string& number : numbers) row += "<td class=\"number\">" + number + "</td>";
+  return row + "</tr>";
+}
+
 /// The pictures of a page, each with its title.
 struct Picture {
   std::string title, svg;

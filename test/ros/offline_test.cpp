@@ -113,9 +113,9 @@ void OfflineTest::expectAgreement(const std::string& session, const std::string&
   problem.configurations = {{"best", loadTrainingConfig(config)}};
   const TableOneResult table = crossValidate(dataset, problem);
   const Correction model = readModelFile(model_);
-  const std::vector<TestState> states =
-      makeTestStates(left_out, model.motion, model.delay,
-                     commandGapLimit(selectFold(dataset, HoldOut{fold, 5}, false), {}), {});
+  const std::vector<TestState> states = makeTestStates(
+      left_out, model.motion, model.delay,
+      commandGapLimit(selectFold(dataset, HoldOut{fold, 5}, false), SynchronisationOptions()), {});
   std::map<std::pair<std::size_t, std::size_t>, Pose> predicted;
   std::size_t trajectory = 0, row = 0;
   std::string last;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "raven_correction/error.h"
+#include "raven_correction/geometry/rotation.h"
 
 namespace raven_correction {
 namespace {
@@ -114,15 +115,30 @@ TEST(SimulatedCell, ResetGoesHomeAndRestartStaysWhereItIs) {
   cell.advanceTo(kStart + 3.0);
   ASSERT_GT(cell.arm().payload(), 0.0);
 
+  // On its way back, with plays and lags behind it, and a command that does not act yet.
+  ASSERT_TRUE(reproducesPose(cell.command({kStart + 3.0, home})));
+  cell.advanceTo(kStart + 3.0 + 0.075);
+  ASSERT_TRUE(reproducesPose(cell.command({kStart + 3.1, away})));
+  const Pose tool = cell.arm().toolPose();
+  const Eigen::VectorXd encoders = cell.arm().encoderJoints();
+  const Pose setpoint = cell.arm().setpointPose();
+  ASSERT_GT((cell.arm().measuredPose().p - home.p).norm(), 1e-3) << "it must be on its way";
+
   cell.restart(kStart - 100.0);  // a bag that starts again
-  EXPECT_LT((cell.arm().setpointPose().p - away.p).norm(), 1e-9);
+  EXPECT_LT((cell.arm().toolPose().p - tool.p).norm(), 1e-12) << "a clock does not move the arm";
+  EXPECT_LT(rotationAngle(cell.arm().toolPose().q, tool.q), 1e-12);
+  EXPECT_EQ(Eigen::VectorXd(cell.arm().encoderJoints()), encoders);
+  EXPECT_EQ(cell.arm().setpointPose().p, setpoint.p);
   const CellReport& after = cell.advanceTo(kStart - 99.995);
   ASSERT_FALSE(after.measured.empty());
   EXPECT_EQ(after.measured.front().stamp, kStart - 100.0);
 
   EXPECT_GT(cell.arm().payload(), 0.0) << "it does not let go because a clock jumped";
+  cell.advanceTo(kStart - 97.0);
+  EXPECT_LT((cell.arm().setpointPose().p - home.p).norm(), 1e-9)
+      << "the last command was forgotten";
 
-  cell.reset(kStart - 99.0);
+  cell.reset(kStart - 96.0);
   EXPECT_LT((cell.arm().setpointPose().p - home.p).norm(), 1e-12);
   EXPECT_EQ(cell.arm().payload(), 0.0);
 }

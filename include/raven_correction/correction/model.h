@@ -63,7 +63,7 @@ struct Correction {
   } physics;
   TrustRegion trust;
 
-  std::size_t training_pairs = 0;
+  std::size_t training_pairs = 0;  ///< learnt from: cleaned, and with physics in its reach
   std::size_t training_trajectories = 0;
   struct HeldOut {  ///< norms of the mean absolute errors on trajectories left out of a fit
     double position_before = std::numeric_limits<double>::quiet_NaN();  ///< no correction [m]

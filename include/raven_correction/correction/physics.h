@@ -11,8 +11,9 @@
 
 namespace raven_correction {
 
-/// The simulation as a model carries it. Its session is as old as the data set is long, and held
-/// set-points are half a command period of the data set old (InverseTiming).
+/// The simulation as a model carries it. Its session is as old as the last session of the data set
+/// is long (sessionStarts()), and held set-points are half a command period of the data set old
+/// (InverseTiming).
 /// @param delay  of the model: observation behind command [s]
 /// @throws InvalidInput  the simulation is of another robot than the data set: another frame, the
 ///         name of another robot as `arm`, or the other side; or its robot file cannot be read

@@ -35,6 +35,10 @@ struct PlacedSample {
   Fate fate = Fate::kKept;
 };
 
+/// Longest interval of commands that the configuration bridges in this data set [s], see
+/// SynchronisationOptions; 0 without commands.
+double commandGapLimit(const Dataset& dataset, const TrainingConfig& config);
+
 struct TrainingResult {
   Correction model;
   std::vector<PlacedSample>

@@ -23,6 +23,8 @@ struct Trajectory {
 
   /// First stamp of the command stream, or of whichever stream there is [s]; 0 when all are empty.
   double start() const noexcept;
+  /// Last stamp of all streams [s]; 0 when all are empty.
+  double end() const noexcept;
 };
 
 struct Dataset {
@@ -35,6 +37,15 @@ struct Dataset {
   std::string source;                    ///< path or bag it was read from, for messages
   std::vector<Trajectory> trajectories;  ///< in order of start time
 };
+
+/// Longest pause within a session [s]. After a longer one the robot has been switched off, homed
+/// and registered anew: it is another robot in all that these change.
+constexpr double kLongestPause = 3600.0;
+
+/// Index of the first trajectory of every session: 0, and each that starts more than kLongestPause
+/// after all before it have ended.
+/// @param dataset  trajectories in order of start time
+std::vector<std::size_t> sessionStarts(const Dataset& dataset);
 
 /// Sorts by start time (stable); every reader calls it, so index i means the same everywhere.
 void sortByStart(Dataset& dataset);

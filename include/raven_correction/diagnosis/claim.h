@@ -12,18 +12,37 @@
 
 namespace raven_correction {
 
+/// The z_typical (LossComparison) that a useless hypothesis exceeds with this probability, where
+/// the differences of the n motions are independent, normal and of mean 0. The mean of normal
+/// numbers is independent of their distances from one another, so with s the robust deviation of n
+/// of them, and Q the upper tail of the normal distribution,
+///
+///   P(z_typical > t) = E[Q(t s)],
+///
+/// whose expectation is that over simulated lists (fixed seed), and which is solved for t by
+/// bisection. For many motions it is the normal quantile; with ten of them s is often small, and
+/// the tail far heavier than Student's.
+/// @param chance  in (0, 0.5) [-]
+/// @return infinity for fewer than two motions
+double typicalThreshold(double chance, int motions);
+
 /// Every claim has to pass this, of a new cause or of one that stays. Either it is a gain beyond
 /// chance over motions; or, where nothing but noise is left of most motions, it explains far more
 /// than noise could in a few of them: a limit that only the fastest motions reach.
 class ClaimRule {
  public:
+  /// @param layout       of the recording; referred to, so it has to outlive the rule
   /// @param least_share  of the held-out loss that a claim must gain [-]
-  ClaimRule(const Recording& recording, const ResidualLayout& layout, double least_share,
-            std::uint64_t seed);
+  /// @param seed         of the bootstrap of compare()
+  ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed);
 
   /// The gain over typical motions must be beyond that of the best of `tried` useless hypotheses,
-  /// but for a chance of `significance`. Until then no gain is enough.
+  /// but for a chance of `significance` (typicalThreshold() of it over `tried`). Until then no gain
+  /// is enough.
   void setTried(std::size_t tried, double significance);
+
+  /// Noise from frame to frame, one per channel (noiseFloor()). Until then no recording is quiet.
+  void setNoise(const Eigen::VectorXd& floor) { floor_ = floor; }
 
   /// How much better `with` explains the held-out motions than `without`, every channel in units of
   /// its spread in `scales_of`.
@@ -34,16 +53,26 @@ class ClaimRule {
   LossComparison compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
     return compare(without, with, without);
   }
+  /// Whether that gain is enough to claim what `with` has and `without` has not. At least
+  /// least_share of the loss, and then one of
+  ///
+  ///   typical  z_mean > 2.5 and z_typical beyond the threshold of setTried()
+  ///   few      z_mean > 1.6, the recording is quiet but for these (scale of `without` at most 1.5
+  ///            of the noise, in every channel), and a log likelihood ratio above 25: the sum over
+  ///            motions of (gain in mean loss) x (samples per channel) / 20, because about 20
+  ///            samples of motion capture in a row say as much as one independent one
+  ///
+  /// @param without, with  held-out residuals, layout.size each
   bool earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const;
 
  private:
   bool isQuiet(const Eigen::VectorXd& residual) const;
 
-  const Recording& recording_;
   const ResidualLayout& layout_;
   double least_share_;
   std::uint64_t seed_;
   double threshold_;         // of z over typical motions
+  Eigen::VectorXd floor_;    // of the noise, per channel
   Eigen::VectorXd samples_;  // of each motion, per channel
 };
 

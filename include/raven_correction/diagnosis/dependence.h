@@ -41,15 +41,19 @@ struct DependenceResult {
 ///   time       polynomials and waves over the session
 ///
 /// Components are clipped at three robust deviations, so that single wrong samples do not rule.
-/// Encoder channels are left out.
+/// Encoder channels are left out. Ridge: weights w of features of unit variance minimise
+/// |X w - y|^2 + 0.01 n |w|^2 over the n samples of the other folds, the constant free.
+/// @param residual   of any simulation of the recording, layout.size
+/// @param joints     that the features are made of, one column per block: as a rule those of the
+///        simulation that was given, so that before and after have the same features
+/// @param simulated  what the simulation that left the residual says: the frame of its orientation
+/// @param folds      motion i is predicted from the motions that are not in fold i % folds
+/// @param seed       of the bootstrap over motions that the intervals come from
+/// @return groups in the order above, those without features left out; empty without samples
+/// Source of ridge regression: Hoerl, Kennard 1970, doi:10.1080/00401706.1970.10488634
 DependenceResult residualDependence(const Recording& recording, const ResidualLayout& layout,
                                     const Eigen::VectorXd& residual, const Eigen::MatrixXd& joints,
-                                    int folds, std::uint64_t seed);
-
-/// Standard deviation of a channel's components from one sample to the next: what no model can
-/// explain. Second differences of neighbouring samples, so that slow errors do not count.
-/// @return one per channel [m or rad]; 0 where no motion has three samples
-Eigen::VectorXd noiseFloor(const Recording& recording, const ResidualLayout& layout,
-                           const Eigen::VectorXd& residual);
+                                    const SimulatedSamples& simulated, int folds,
+                                    std::uint64_t seed);
 
 }  // namespace raven_correction

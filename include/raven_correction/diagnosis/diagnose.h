@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The whole diagnosis: what the simulation gets wrong about a recording, which physical causes the
-// recording supports, what they gain on motions not fitted to, and what is left. Its parts are
-// recording.h, residual.h, selection.h and dependence.h.
+// recording supports, what they gain on motions that their parameters were not fitted to, and what
+// is left. Its parts are recording.h, residual.h, selection.h and dependence.h.
 #pragma once
 
 #include <cstdint>
@@ -46,8 +46,10 @@ struct Verdict {
   std::vector<std::string> labels;  ///< of the causes, for people
   SimulationConfig simulation;      ///< extended with the causes
   DiagnosisErrors before;           ///< of the simulation that was given
-  DiagnosisErrors after;            ///< of the extended one; every motion by parameters fitted
-                                    ///< without its fold (heldOutResiduals())
+  /// Of the extended one; every motion by parameters fitted without its fold (heldOutResiduals()).
+  /// Which causes these are was chosen with all motions in view, and so were the shapes that no
+  /// gradient improves (Hypothesis::fixed_shapes: the instant of a shift).
+  DiagnosisErrors after;
   /// 1 - RMS after / RMS before, of position (joint data: mean over joints), with its 95 % interval
   /// by bootstrap over motions [-].
   double gain = 0.0, gain_lower = 0.0, gain_upper = 0.0;
@@ -73,8 +75,9 @@ struct Verdict {
   /// Of `left`, those beyond doubt; empty where what is left is larger than noise, but nothing that
   /// was tried predicts it.
   std::vector<std::string> depends_on;
+  /// Noise from frame to frame (noiseFloor()); 0 where no frames tell it.
   double noise_floor = 0.0;         ///< RMS length of position noise [m]; joint data: 0
-  double angle_floor = 0.0;         ///< RMS angle of orientation noise [rad]
+  double angle_floor = 0.0;         ///< RMS angle of orientation noise [rad]; joint data: 0
   std::vector<double> joint_floor;  ///< joint data: standard deviation of each joint [rad or m]
 };
 
@@ -84,9 +87,5 @@ struct Verdict {
 Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
                  const std::vector<bool>& prismatic, const DiagnosisOptions& options,
                  const DiagnosisProgress& progress = {});
-
-/// What would separate two causes that this recording cannot tell apart; general advice where no
-/// better is known.
-std::string separatingRecording(const std::string& effect, const std::string& other);
 
 }  // namespace raven_correction

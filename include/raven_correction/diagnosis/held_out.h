@@ -14,21 +14,34 @@ namespace raven_correction {
 /// Residuals of every motion under parameters that were fitted without its fold; motion i belongs
 /// to fold i % folds. From the fit to all motions, each fold's parameters are one Gauss-Newton step
 /// away, theta - (H - H_k)^-1 (g - g_k), clipped to their ranges; then the simulation is run.
+/// What is no parameter of the fit is not held out: which effects there are, and fixed shapes.
 /// @param fit  of problem, with its Jacobian, to all motions
+/// @param simulated  if not null: what the simulation of its fold says of every sample
 /// @return layout.size numbers
 /// Source of the step: Beirami et al. 2017, On optimal generalizability in parametric learning
-Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds);
+Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds,
+                                 SimulatedSamples* simulated = nullptr);
 
-/// Whether `after` is better than `before`, motion by motion.
+/// Whether `after` is better than `before`, motion by motion: with n motions and
+/// d_i = before_i - after_i,
+///
+///   z_mean    = mean(d) / (sd(d) / sqrt(n))
+///   z_typical = mean(d) / (1.4826 median|d_i - median(d)| / sqrt(n))
+///
+/// The second has a robust deviation below: an effect that shows in few motions makes their d large
+/// and sd(d) with it, and must not count as noise. Its tails are heavier than Student's.
+/// Source of the robust deviation: Hampel 1974, doi:10.1080/01621459.1974.10482962
 struct LossComparison {
   double share = 0.0;  ///< mean(before - after) / mean(before) [-]
   double lower = 0.0;  ///< 95 % interval of the share, by bootstrap over motions
   double upper = 0.0;
-  double z_mean = 0.0;     ///< mean difference over its standard error
-  double z_typical = 0.0;  ///< the same with the spread of the middle half of the motions: an
-                           ///< effect that shows in few motions must not count as noise
+  double z_mean = 0.0;     ///< mean difference over its standard error [-]
+  double z_typical = 0.0;  ///< the same over the spread of the typical motion [-]
 };
-/// @param before, after  one loss per motion (motionLosses()); nan is left out
+/// @param before, after  one loss per motion (motionLosses()); a motion with nan in either is left
+///        out
+/// @param seed           of the bootstrap
+/// @return all zero for fewer than two motions, or where mean(before) is not above 0
 LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
                              std::uint64_t seed);
 

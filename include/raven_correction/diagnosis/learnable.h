@@ -15,7 +15,7 @@ namespace raven_correction {
 /// simulation: simulated joints, and the mean speeds of the set-points over three intervals of the
 /// past (to 0.05, 0.15 and 0.4 s). Components are clipped at three robust deviations to learn from,
 /// so that single wrong samples do not rule; encoder channels stay as they are.
-/// @param joints  of residuals(): simulated joints, one column per block
+/// @param joints  of residuals(), one column per block
 /// @return layout.size numbers; `residual` itself where a fold has nothing to learn from
 Eigen::VectorXd withoutLearnable(const Recording& recording, const ResidualLayout& layout,
                                  const Eigen::VectorXd& residual, const Eigen::MatrixXd& joints,

@@ -54,6 +54,9 @@ struct Recording {
     std::string id;
     std::vector<Setpoint> setpoints;        ///< by stamp, at least one
     std::vector<Observation> observations;  ///< by stamp
+    /// Runs of three consecutive frames of each kind, as they were before thinning, by stamp: what
+    /// the noise from frame to frame is seen in (noise_floor.h). So many, whatever max_samples is.
+    std::vector<Observation> frames;
   };
   std::string name;
   DriveSource source = DriveSource::kCommands;
@@ -76,7 +79,7 @@ struct Recording {
 /// @param robot  nominal chain of the data set's arm
 /// @throws InvalidInput  no trajectory has both what drives and what was observed; the poses of the
 ///         data set are in another frame than the robot's; no command can be reached, or
-///         most are outside the joint limits
+///         most are outside the joint limits; several sessions (sessionStarts())
 Recording makeRecording(const Dataset& dataset, const KinematicChain& robot,
                         const RecordingOptions& options);
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -34,8 +35,28 @@ struct ResidualLayout {
   std::vector<ResidualBlock> blocks;  ///< motion by motion, by stamp
   Eigen::Index size = 0;
   int motions = 0;
+
+  /// Components of a block: those of its channel.
+  int sizeOf(const ResidualBlock& block) const {
+    return channels[static_cast<std::size_t>(block.channel)].size;
+  }
 };
+/// @param use  one per motion: which to look at; empty: all
+inline bool isUsed(const std::vector<bool>& use, int motion) {
+  return use.empty() || use[static_cast<std::size_t>(motion)];
+}
+
 ResidualLayout residualLayout(const Recording& recording);
+
+/// What a simulation says of every sample: one column per block, that of all channels of a sample
+/// the same.
+struct SimulatedSamples {
+  Eigen::MatrixXd joints;        ///< joint side [rad or m]
+  Eigen::Matrix4Xd orientation;  ///< of the tool in base, x y z w: the frame of the orientation
+                                 ///< residual; 0 of joint data and of encoder samples
+  /// Orientation of the tool at one block; the identity where there is none.
+  Eigen::Quaterniond tool(std::size_t block) const;
+};
 
 /// Runs the simulation on the whole recording, from rest at its first set-point. Between two
 /// motions the arm goes to where the next one starts, so plays keep their history. Thread-safe.
@@ -46,12 +67,11 @@ ResidualLayout residualLayout(const Recording& recording);
 ///
 /// @param simulation  of the recording's robot; its internal step is set to the longest one, which
 ///        changes results by less than a micrometre (doc/simulation.md, exactness)
-/// @param joints      if not null: simulated joint side at every sample, one column per block (of
-/// all
-///        channels of a sample the same)
+/// @param simulated   if not null: what it says of every sample
 /// @return layout.size numbers
 Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layout,
-                          const SimulationConfig& simulation, Eigen::MatrixXd* joints = nullptr);
+                          const SimulationConfig& simulation,
+                          SimulatedSamples* simulated = nullptr);
 
 /// Robust standard deviation of the components of every channel: 1.4826 times the median of their
 /// absolute values, and not below what can be measured at all (1 um, 0.01 mrad).

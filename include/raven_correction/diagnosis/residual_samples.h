@@ -33,13 +33,18 @@ struct ResidualSamples {
   std::size_t size() const { return stamp.size(); }
 };
 
-/// @param joints   as residuals() returns them, of the simulation as given
-/// @param before, aligned, after  residual vectors; aligned may be empty
+/// A residual vector with what the simulation says that left it; both empty: there is none.
+struct SimulatedResidual {
+  Eigen::VectorXd residual;
+  SimulatedSamples simulated;
+};
+
+/// @param before   its joints are those that the figures are drawn against
+/// @param aligned  may be empty
 /// @param most     about so many samples, evenly spread over every motion
 ResidualSamples residualSamples(const Recording& recording, const ResidualLayout& layout,
-                                const Eigen::MatrixXd& joints, const Eigen::VectorXd& before,
-                                const Eigen::VectorXd& aligned, const Eigen::VectorXd& after,
-                                std::size_t most = 4000);
+                                const SimulatedResidual& before, const SimulatedResidual& aligned,
+                                const SimulatedResidual& after, std::size_t most = 4000);
 
 /// The joint error that explains an error of the tool best, damped so that a posture in which a
 /// joint hardly moves the tool does not make it large:

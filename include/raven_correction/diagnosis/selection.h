@@ -44,6 +44,7 @@ struct SelectionResult {
   Eigen::VectorXd nominal_residual;   ///< before any cause
   Eigen::VectorXd fitted_residual;    ///< of the fit to all motions
   Eigen::VectorXd held_out_residual;  ///< see heldOutResiduals()
+  SimulatedSamples held_out;          ///< what the simulations that left it say
   bool converged = true;              ///< the last fit of all causes
   std::size_t hypotheses = 0;         ///< tried in the first round
   std::size_t starts = 0;             ///< of their fits, periods and instants included
@@ -52,8 +53,18 @@ struct SelectionResult {
 /// Called with what is going on and how far it is, in [0, 1].
 using DiagnosisProgress = std::function<void(const std::string& phase, double fraction)>;
 
+/// Forward selection with removal, each step judged on held-out residuals (ClaimRule): screen() all
+/// hypotheses, fit the finalists beside the causes so far, take the best that earns its place, fit
+/// all again; when none does, fit to the end, and drop each cause in turn with all others fitted to
+/// the end, too. What does not earn its place then goes, the weakest first.
+/// @param layout      of the recording
 /// @param simulation  what is believed so far; its effects stay as they are
-/// @throws InvalidInput  fewer motions than folds
+/// @param progress    called from the calling thread before every pass; what it throws ends the
+/// work
+/// @return residuals have layout.size numbers; without causes all three are the same
+/// @throws InvalidInput  fewer motions than folds, or fewer than two folds
+/// Source of the steps: Efroymson 1960, Multiple regression analysis, in Ralston, Wilf (eds.),
+///         Mathematical methods for digital computers
 SelectionResult selectCauses(const Recording& recording, const ResidualLayout& layout,
                              const SimulationConfig& simulation, const SelectionOptions& options,
                              const DiagnosisProgress& progress = {});

@@ -11,6 +11,7 @@
 
 #include "raven_correction/correction/training.h"
 #include "raven_correction/dataset/split.h"
+#include "raven_correction/evaluation/simulation_overlap.h"
 #include "raven_correction/simulation/session_statistics.h"
 #include "raven_correction/simulation/simulation_config.h"
 
@@ -53,6 +54,8 @@ struct FidelityResult {
   std::vector<LadderStep> ladder;
   std::vector<FidelityCriterion> criteria;
   std::size_t trajectories = 0;  ///< that the figures come from
+  HoldOut hold_out;              ///< which those are
+  SimulationOverlap overlap;     ///< whether the simulation was fitted to them
 };
 
 /// Simulates all trajectories one after the other (plays keep their history), then compares the

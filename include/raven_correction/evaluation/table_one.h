@@ -27,7 +27,9 @@ enum class Method {
 /// "none", "rigid", "rigid_clean", "rigid_gp", "rigid_gp_velocity", "rigid_gp_velocity_clean".
 const char* methodName(Method method) noexcept;
 
-/// The configuration with what the method does not have switched off.
+/// The configuration with what the method does not have switched off. No method has physics as its
+/// mean: a simulation knows the trajectories that it was diagnosed from, so folds that test on them
+/// would flatter it. learning_curve.h compares with physics, with a simulation for each fold.
 TrainingConfig configOf(Method method, const TrainingConfig& config);
 
 constexpr int kMeanOfFolds = -1;

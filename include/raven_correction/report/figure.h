@@ -113,7 +113,8 @@ using Layer = std::variant<Points, Line, Band, Bars, Histogram, Boxes, HeatMap, 
 /// One pair of axes.
 struct Panel {
   std::string title;
-  std::string description;  ///< for those who hear it instead of seeing it; empty: the title
+  std::string description;  ///< for those who hear it instead of seeing it, beside the title;
+                            ///< empty: the label of y "against" that of x
   Axis x, y;
   std::vector<Layer> layers;             ///< the first is drawn first
   double width = 440.0, height = 290.0;  ///< [px]; scales with the page

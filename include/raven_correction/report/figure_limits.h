@@ -18,7 +18,8 @@ struct PanelLimits {
 PanelLimits limitsOf(const Panel& panel);
 
 /// Gives all panels the limits that hold the data of every one of them, so that before and after
-/// can be compared by eye. Limits that an axis sets itself stay.
+/// can be compared by eye. Limits that an axis sets itself count as its data: the shared ones
+/// include them. Axes of categories, and panels with nothing to show, are left as they are.
 void shareLimits(std::vector<Panel*> panels, bool share_x, bool share_y);
 
 /// The limits of the colours of all heat maps in the panels become the same, too.

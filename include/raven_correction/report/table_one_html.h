@@ -16,6 +16,7 @@ namespace raven_correction {
 /// cleaning, data health, provenance.
 /// @param samples  the errors of the same run; the configuration the verdict is about is the last
 ///                 of the table
+/// @throws InvalidInput  a row of the table is missing, or `samples` are not of this table
 std::string tableOneHtml(const TableOneResult& result, const ErrorSamples& samples,
                          const std::vector<StreamHealth>& streams, const RunRecord& run);
 

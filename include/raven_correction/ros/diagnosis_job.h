@@ -16,11 +16,15 @@ struct DiagnosisJob {
   std::string from = "commands";       ///< or encoders
   bool ignore_encoders = false;        ///< encoder streams are no observations
   std::vector<std::string> prismatic;  ///< joint data: joints in metres beside those that say so
-  std::string output;                  ///< extended simulation file that shall be written, or empty
-  DiagnosisOptions options;            ///< `recording.source` and `use_encoders` come from above
+  /// Leave out the trajectories that a trainer validates models on (splitForValidation()), so that
+  /// a model with the extended simulation as its mean can be judged there.
+  bool leave_out_validation = false;
+  std::string output;        ///< extended simulation file that shall be written, or empty
+  DiagnosisOptions options;  ///< `recording.source` and `use_encoders` come from above
 };
 
-/// The simulation of the verdict has a name and a description, to be written.
+/// The simulation of the verdict has a name and a description, to be written, and says what it was
+/// fitted to.
 /// @throws InvalidInput  joint data with an output file or driven by encoders, a joint that is not
 ///         there, or see diagnose()
 Verdict runDiagnosis(const Dataset& dataset, const SimulationConfig& simulation,

@@ -28,7 +28,7 @@ struct SimulatedArmParams {
   std::string simulation;  ///< simulation YAML; required
   int seed = 1;            ///< of the motion capture's noise, in [0, 2^31)
   ReportRates rates;
-  std::string base_frame = "0_link";  ///< of commands and of measured_cp
+  std::string base_frame = "0_link";  ///< of commands and of measured_cp; the robot's own
   std::string mocap_frame = "mocap";  ///< of mocap/measured_cp
   Pose X_base_mocap;                  ///< registration, published on /tf_static
   CommandGateConfig gate;

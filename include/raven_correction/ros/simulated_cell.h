@@ -49,8 +49,8 @@ class SimulatedCell {
   const CellReport& report() const noexcept { return report_; }
   /// Puts the arm back to rest at its homing position; reports go on from `start`.
   void reset(double start);
-  /// Goes on at `start` after the clock has jumped, with the arm where it is and what it holds.
-  /// Pending commands are forgotten.
+  /// Goes on at `start` after the clock has jumped, with the arm where it is and what it holds:
+  /// plays, lags, creep and shifts go on as if no time had passed. Pending commands are forgotten.
   void restart(double start);
 
   const SimulatedArm& arm() const noexcept { return arm_; }
@@ -78,6 +78,8 @@ class SimulatedCell {
 /// the instruments of the other arms are where they are at that instant, and hide what is behind
 /// them from the cameras, where the robots share a base frame. So reports do not depend on how
 /// often one asks.
+/// @param cells  none null, none twice; report() of each says what was reported meanwhile
+/// @param time   to move on to [s]; one before the last of a cell adds nothing to its reports
 void advanceTogether(const std::vector<SimulatedCell*>& cells, double time);
 
 }  // namespace raven_correction

@@ -35,6 +35,9 @@ struct SimulationConfig {
   bool quantise_encoders = false;
   SetpointMode setpoints = SetpointMode::kHold;
   std::vector<std::shared_ptr<const Effect>> effects;  ///< each at most once, in acting order
+  /// Start stamps of the trajectories that its effects were fitted to [s]: on these it cannot be
+  /// judged. Empty: not known.
+  std::vector<double> fitted_to;
   MotionCaptureConfig motion_capture;
   GripperConfig gripper;
   DebridementConfig debridement;
