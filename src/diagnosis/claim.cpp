@@ -37,6 +37,21 @@ std::vector<double> robustDeviations(int n) {
   return deviations;
 }
 
+/// The value that a variable of Student's distribution exceeds with that chance: the normal
+/// quantile, by bisection, and Wallace's relation of the two. Source: Wallace 1959,
+/// doi:10.1214/aoms/1177706089
+double studentThreshold(double chance, int motions) {
+  if (motions < 2) return std::numeric_limits<double>::infinity();
+  double low = 0.0, high = 40.0;
+  for (int i = 0; i < 100; ++i) {
+    const double z = 0.5 * (low + high);
+    (0.5 * std::erfc(z / M_SQRT2) > chance ? low : high) = z;
+  }
+  const double freedom = motions - 1;
+  const double scaled = low * (8.0 * freedom + 3.0) / (8.0 * freedom + 1.0);
+  return std::sqrt(freedom * std::expm1(scaled * scaled / freedom));
+}
+
 }  // namespace
 
 double typicalThreshold(double chance, int motions) {
@@ -56,15 +71,18 @@ ClaimRule::ClaimRule(const ResidualLayout& layout, double least_share, std::uint
     : layout_(layout),
       least_share_(least_share),
       seed_(seed),
-      threshold_(std::numeric_limits<double>::infinity()),
+      typical_(std::numeric_limits<double>::infinity()),
+      student_(std::numeric_limits<double>::infinity()),
       samples_(Eigen::VectorXd::Zero(layout.motions)) {
   for (const ResidualBlock& block : layout.blocks)
     samples_(block.motion) += 1.0 / static_cast<double>(layout.channels.size());
 }
 
 void ClaimRule::setTried(std::size_t tried, double significance) {
-  const double chance = significance / static_cast<double>(std::max<std::size_t>(1, tried));
-  threshold_ = typicalThreshold(chance, layout_.motions);
+  // Half for each of the two ways to earn a place.
+  const double chance = 0.5 * significance / static_cast<double>(std::max<std::size_t>(1, tried));
+  typical_ = typicalThreshold(chance, layout_.motions);
+  student_ = studentThreshold(chance, layout_.motions);
 }
 
 LossComparison ClaimRule::compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with,
@@ -77,7 +95,8 @@ LossComparison ClaimRule::compare(const Eigen::VectorXd& without, const Eigen::V
 bool ClaimRule::earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
   const LossComparison comparison = compare(without, with);
   if (comparison.share < least_share_) return false;
-  if (comparison.z_mean > kLeastSpread && comparison.z_typical > threshold_) return true;
+  if (comparison.z_mean > student_) return true;
+  if (comparison.z_mean > kLeastSpread && comparison.z_typical > typical_) return true;
   const Eigen::VectorXd scales = channelScales(layout_, without);
   const Eigen::ArrayXd gain =
       motionLosses(layout_, without, scales) - motionLosses(layout_, with, scales);

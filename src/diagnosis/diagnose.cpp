@@ -18,6 +18,16 @@ constexpr double kLeastGroup = 0.03;      // and of one group of features [-]
 constexpr double kBeyondNoise = 1.4;      // residual over noise floor: more is structure [-]
 constexpr int kResamples = 1000;
 
+std::vector<double> slowDelays(const SimulationConfig& simulation, std::size_t joints) {
+  std::vector<double> delays(joints, 0.0);
+  if (const Effect* const delay = simulation.find("command_delay"))
+    for (double& sum : delays) sum += delay->parameters().front().value;
+  if (const Effect* const lag = simulation.find("tracking_lag"))
+    for (const EffectParameter& parameter : lag->parameters())
+      delays[static_cast<std::size_t>(parameter.joint)] += parameter.value;
+  return delays;
+}
+
 std::vector<bool> motionsOfFold(int motions, int folds, int fold) {
   std::vector<bool> use(static_cast<std::size_t>(motions), false);
   for (int m = fold; m < motions; m += folds) use[static_cast<std::size_t>(m)] = true;
@@ -242,6 +252,8 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
 
   SimulatedSamples given, extended;
   residuals(recording, layout, base, &given);
+  if (recording.source == DriveSource::kCommands)
+    verdict.slow_delay = slowDelays(verdict.simulation, verdict.joints.size());
   verdict.shown = residualDependence(recording, layout, before, given.joints, given, verdict.folds,
                                      verdict.seed);
   verdict.left = residualDependence(recording, layout, after, given.joints, selection.held_out,

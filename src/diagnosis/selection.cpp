@@ -19,6 +19,7 @@ constexpr int kRefitIterations = 4;  // of a round: the next one goes on from th
 constexpr double kRefitTolerance = 1e-5;
 constexpr int kLastIterations = 25;
 constexpr double kLastTolerance = 1e-6;
+constexpr int kDropIterations = 4;  // with derivatives of their own, from where frozen ones ended
 constexpr int kRoundsOfAll = 4;         // every so many rounds all hypotheses are screened
 constexpr std::size_t kPromising = 40;  // and so many of them in the rounds between
 constexpr double kSameScales = 0.02;    // change of a channel's scale that needs no second fit [-]
@@ -300,7 +301,7 @@ class Selector {
       problem.start = fit.values;
     }
     if (effort == Effort::kLast) {
-      problem.max_iterations = kLastIterations;
+      problem.max_iterations = kDropIterations;
       problem.tolerance = kLastTolerance;
       problem.scales = channelScales(layout_, fit.residual);
       problem.frozen.resize(0, 0);

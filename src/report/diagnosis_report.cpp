@@ -152,6 +152,13 @@ std::string diagnosisText(const Verdict& verdict) {
   if (verdict.has_kinematics)
     text += format("; noise floor %.2f mm, %.2f deg RMS", kMillimetre * verdict.noise_floor,
                    kDegree * verdict.angle_floor);
+  if (!verdict.slow_delay.empty()) {
+    text += "\n  behind the command in slow motion:";
+    for (std::size_t j = 0; j < verdict.slow_delay.size(); ++j)
+      text += format("%s %s %.1f ms", j ? "," : "", verdict.joints[j].c_str(),
+                     1e3 * verdict.slow_delay[j]);
+    text += format("; one delay of everything: %.1f ms to first order", 1e3 * verdict.shown.delay);
+  }
   text += "\n\nShare of the squared residual that can be predicted on motions held out:\n";
   text += dependenceText("before", verdict.shown);
   text += dependenceText("after", verdict.left);
@@ -208,6 +215,11 @@ std::string diagnosisJson(const Verdict& verdict) {
   } else {
     for (std::size_t j = 0; j < verdict.joint_floor.size(); ++j)
       json["noise_floor"][verdict.joints[j] + "_" + jointUnit(verdict, j)] = verdict.joint_floor[j];
+  }
+  if (!verdict.slow_delay.empty()) {
+    json["delay"]["single_s"] = verdict.shown.delay;
+    for (std::size_t j = 0; j < verdict.slow_delay.size(); ++j)
+      json["delay"]["slow_motion_s"][verdict.joints[j]] = verdict.slow_delay[j];
   }
   json["depends_on_before"] = dependenceJson(verdict.shown);
   json["depends_on_after"] = dependenceJson(verdict.left);

@@ -258,7 +258,7 @@ TEST_F(CorrectorTest, NoAnswerAllocates) {
                   {0.02 * (border.p - home.p).normalized(), Eigen::Quaterniond::Identity()});
   Correction overflowing = model, faded = model, rigid = model;
   overflowing.id = "overflowing";
-  overflowing.process.groups[0].weights.setConstant(1e308);
+  overflowing.process.groups[0].weights.setConstant(1.7e308);
   faded.id = "faded";
   faded.trust.fade_start = 1e-6;
   faded.trust.fade_end = 1e-5;
@@ -290,8 +290,8 @@ TEST_F(CorrectorTest, NoAnswerAllocates) {
   answer(home);  // off
   corrector.setMode(CorrectorMode::kFull);
   answer(home);  // no model
-  for (const Correction* const next : {&overflowing, &faded, &rigid, &model}) {
-    corrector.setModel(*next);
+  for (const Correction& next : {overflowing, faded, rigid, model}) {
+    corrector.setModel(next);
     answers(home);
     corrector.setMode(CorrectorMode::kOff);
     answers(home);

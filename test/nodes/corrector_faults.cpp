@@ -290,7 +290,7 @@ TEST_F(CorrectorFaults, ModelThatExpiresInUseGoesOnAndIsReported) {
 TEST_F(CorrectorFaults, ModelThatAnswersWithNoNumberIsPassedAndReported) {
   CorrectionModel bad = modelToMsg(model());
   bad.id = "overflowing";
-  for (double& weight : bad.groups[0].alpha) weight = 1e308;  // finite, but no sum of them
+  for (double& weight : bad.groups[0].alpha) weight = 1.7e308;  // finite, but no sum of them
   probe_.statuses.clear();
   probe_.publishModel(bad);
   EXPECT_TRUE(probe_.sendUntil(kInside, [](const CorrectionStatus& status) {

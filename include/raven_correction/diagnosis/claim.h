@@ -56,7 +56,9 @@ class ClaimRule {
   /// Whether that gain is enough to claim what `with` has and `without` has not. At least
   /// least_share of the loss, and then one of
   ///
-  ///   typical  z_mean > 2.5 and z_typical beyond the threshold of setTried()
+  ///   mean     z_mean beyond the first threshold of setTried(): every motion gains alike, so that
+  ///            few motions are enough
+  ///   typical  z_mean > 2.5 and z_typical beyond the second: most motions gain, some of them much
   ///   few      z_mean > 1.6, the recording is quiet but for these (scale of `without` at most 1.5
   ///            of the noise, in every channel), and a log likelihood ratio above 25: the sum over
   ///            motions of (gain in mean loss) x (samples per channel) / 20, because about 20
@@ -71,9 +73,9 @@ class ClaimRule {
   const ResidualLayout& layout_;
   double least_share_;
   std::uint64_t seed_;
-  double threshold_;         // of z over typical motions
-  Eigen::VectorXd floor_;    // of the noise, per channel
-  Eigen::VectorXd samples_;  // of each motion, per channel
+  double typical_, student_;  // thresholds of z_typical and z_mean
+  Eigen::VectorXd floor_;     // of the noise, per channel
+  Eigen::VectorXd samples_;   // of each motion, per channel
 };
 
 }  // namespace raven_correction

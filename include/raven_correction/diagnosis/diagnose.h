@@ -64,6 +64,12 @@ struct Verdict {
   double learnable = 0.0, learnable_lower = 0.0, learnable_upper = 0.0;
   DiagnosisErrors after_learning;  ///< what is left then
 
+  /// How far each joint is behind its command in a slow motion, by the extended simulation: the
+  /// delay of the commands and the time constant of the joint's lag [s]. Empty where encoders drive
+  /// it. The best single delay of a recording is a mean of these (DependenceResult::delay, to first
+  /// order).
+  std::vector<double> slow_delay;
+
   DependenceResult shown;    ///< what the residual before depends on
   DependenceResult left;     ///< what the residual after depends on
   ResidualSamples figures;   ///< the residual before and after, sample by sample
