@@ -40,8 +40,7 @@ inline Correction simpleModel(VelocityKind velocity = VelocityKind::kCausal) {
     Motion motion;
     motion.pose = {{uniform(random), uniform(random), uniform(random)},
                    expRotation(randomVector(random, 0.1))};
-    computeFeatures(motion, model.rigid, model.mean_orientation, twistCount(model.motion),
-                    row.data());
+    computeFeatures(motion, model.rigid, model.mean_orientation, model.motion, row.data());
     x.row(i) = row.transpose();
     y.row(i) = fieldAt(model.rigid * motion.pose).transpose();
   }
