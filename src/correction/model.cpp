@@ -8,19 +8,23 @@ double distanceFromWorkspace(const Eigen::Vector3d& p, const TrustRegion& trust)
 }
 
 std::size_t featureCount(const MotionOptions& options) noexcept {
-  return 6 * (1 + twistCount(options));
+  return 6 * (1 + twistCount(options) + (hasPlay(options) ? 1 : 0));
 }
 
 void computeFeatures(const Motion& motion, const Pose& rigid,
-                     const Eigen::Quaterniond& mean_orientation, std::size_t twists,
+                     const Eigen::Quaterniond& mean_orientation, const MotionOptions& options,
                      double* features) noexcept {
-  Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 1 + kMaxTwists>> x(
-      features, 6, static_cast<Eigen::Index>(1 + twists));
+  const std::size_t twists = twistCount(options);
+  Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxFeatures / 6>> x(
+      features, 6, static_cast<Eigen::Index>(featureCount(options) / 6));
   const Pose after = rigid * motion.pose;
   x.col(0) << after.p, logRotation(mean_orientation.conjugate() * after.q);
   for (std::size_t k = 0; k < twists; ++k)
     x.col(static_cast<Eigen::Index>(1 + k)) << rigid.q * motion.twists[k].v,
         rigid.q * motion.twists[k].w;
+  if (hasPlay(options))
+    x.col(static_cast<Eigen::Index>(1 + twists)) << rigid.q * motion.play.p,
+        rigid.q * motion.play.r;
 }
 
 Eigen::Matrix<double, 6, 1> correctionBetween(const Pose& after_rigid,

@@ -36,6 +36,12 @@ void checkMotionOptions(const MotionOptions& options) {
     throw InvalidInput(format("velocity window = %g s is outside (0, 10]", options.window));
   if (!(options.max_gap > 0.0) || options.max_gap > 10.0)
     throw InvalidInput(format("max_gap = %g s is outside (0, 10]", options.max_gap));
+  if (!(options.play_length >= 0.0) || options.play_length > 1.0 || !(options.play_angle >= 0.0) ||
+      options.play_angle > 3.0 || (options.play_length > 0.0) != (options.play_angle > 0.0))
+    throw InvalidInput(
+        format("play of %g m and %g rad: must be in [0, 1] and [0, 3], and both or "
+               "neither zero",
+               options.play_length, options.play_angle));
   if (options.velocity != VelocityKind::kPast) return;
   if (options.intervals.empty() || options.intervals.size() > kMaxTwists)
     throw InvalidInput(
@@ -63,6 +69,8 @@ std::size_t twistCount(const MotionOptions& options) noexcept {
   return options.intervals.size();
 }
 
+bool hasPlay(const MotionOptions& options) noexcept { return options.play_length > 0.0; }
+
 MotionEstimator::MotionEstimator(const MotionOptions& options)
     : options_(options), samples_(2 * kCapacity) {
   checkMotionOptions(options_);
@@ -71,19 +79,28 @@ MotionEstimator::MotionEstimator(const MotionOptions& options)
   thinning_ = 2.0 * reach / static_cast<double>(kCapacity);
 }
 
-void MotionEstimator::reset() noexcept {
+void MotionEstimator::startMotion() noexcept {
   started_ = false;
   count_ = 0;
+}
+
+void MotionEstimator::reset() noexcept {
+  startMotion();
+  dragged_ = false;
 }
 
 void MotionEstimator::takeOver(const MotionEstimator& other) noexcept {
   reset();
   started_ = other.started_;
   last_stamp_ = other.last_stamp_;
+  dragged_ = other.dragged_;
+  follower_ = other.follower_;
   for (std::size_t i = 0; i < other.count_; ++i) {
     const StampedPose& sample = other.samples_[i];
     if (count_ > 0 && sample.stamp - samples_[count_ - 1].stamp > options_.max_gap) count_ = 0;
     remember(sample);
+    motion_.pose = sample.pose;
+    if (hasPlay(options_) && !other.dragged_) drag();
   }
 }
 
@@ -107,6 +124,8 @@ void MotionEstimator::undo() noexcept {
   last_stamp_ = undo_.last_stamp;
   started_ = undo_.started;
   motion_ = undo_.motion;
+  dragged_ = undo_.dragged;
+  follower_ = undo_.follower;
 }
 
 MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) noexcept {
@@ -119,6 +138,8 @@ MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) n
   undo_.last_stamp = last_stamp_;
   undo_.started = started_;
   undo_.motion = motion_;
+  undo_.dragged = dragged_;
+  undo_.follower = follower_;
   if (step > options_.max_gap) count_ = 0;
   started_ = true;
   last_stamp_ = stamp;
@@ -129,7 +150,24 @@ MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) n
     pastTwists();
   else if (options_.velocity != VelocityKind::kNone)
     motion_.twists[0] = causalTwist(samples_.data(), count_, options_.window);
+  if (hasPlay(options_)) drag();
   return Outcome::kAccepted;
+}
+
+void MotionEstimator::drag() noexcept {
+  const Pose& pose = motion_.pose;
+  if (!dragged_) follower_ = pose;
+  dragged_ = true;
+  Displacement& play = motion_.play;
+  play = {pose.p - follower_.p, logRotation(pose.q * follower_.q.conjugate())};
+  if (const double length = play.p.norm(); length > options_.play_length) {
+    play.p *= options_.play_length / length;
+    follower_.p = pose.p - play.p;
+  }
+  if (const double angle = play.r.norm(); angle > options_.play_angle) {
+    play.r *= options_.play_angle / angle;
+    follower_.q = (expRotation(-play.r) * pose.q).normalized();
+  }
 }
 
 void MotionEstimator::pastTwists() noexcept {
@@ -157,9 +195,15 @@ void MotionEstimator::pastTwists() noexcept {
 }
 
 std::vector<Motion> motionsOf(const PoseStream& stream, const MotionOptions& options) {
+  MotionEstimator estimator(options);
+  return motionsOf(stream, options, estimator);
+}
+
+std::vector<Motion> motionsOf(const PoseStream& stream, const MotionOptions& options,
+                              MotionEstimator& estimator) {
   std::vector<Motion> motions;
   motions.reserve(stream.size());
-  MotionEstimator estimator(options);
+  estimator.startMotion();
   for (const StampedPose& sample : stream) {
     estimator.push(sample.stamp, sample.pose);
     motions.push_back(estimator.motion());

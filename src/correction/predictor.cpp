@@ -11,7 +11,7 @@
 namespace raven_correction {
 
 struct Predictor::Workspace {
-  std::array<double, 6 * (1 + kMaxTwists)> features{};
+  std::array<double, kMaxFeatures> features{};
   std::shared_ptr<GpPredictor::Workspace> process;
 };
 
@@ -98,7 +98,7 @@ Prediction Predictor::predict(const Motion& motion, Workspace& workspace) const 
   Pose full = prediction.mean;
   if (process_) {
     Eigen::Matrix<double, 6, 1> y, variance;
-    computeFeatures(motion, model_.rigid, model_.mean_orientation, twistCount(model_.motion),
+    computeFeatures(motion, model_.rigid, model_.mean_orientation, model_.motion,
                     workspace.features.data());
     process_->predict(workspace.features.data(), y.data(), variance.data(), *workspace.process);
     if (!y.allFinite() || !variance.allFinite()) return prediction;

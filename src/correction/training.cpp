@@ -157,9 +157,11 @@ TrainingPairs makePairs(const Dataset& dataset, const TrainingConfig& config, do
   MotionOptions speed_options;  // of the speed limits: the same whatever the features are
   speed_options.velocity = VelocityKind::kCausal;
   speed_options.max_gap = config.motion.max_gap;
+  MotionEstimator estimator(config.motion);
   for (std::size_t k = 0; k < trajectories.size(); ++k) {
     const SynchronisedTrajectory& trajectory = trajectories[k];
-    const std::vector<Motion> motions = motionsOf(trajectory.observations.samples, config.motion);
+    const std::vector<Motion> motions =
+        motionsOf(trajectory.observations.samples, config.motion, estimator);
     const std::vector<Motion> speeds = motionsOf(trajectory.observations.samples, speed_options);
     for (const CommandPair& pair : trajectory.pairs) {
       pairs.samples.push_back({k, trajectory.observations.samples[pair.sample].pose, pair.command,
@@ -249,8 +251,8 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
     Eigen::Index r = 0;
     for (std::size_t k = 0; k < kept.size(); ++k) {
       if (!means[k]) continue;
-      computeFeatures(pairs.motions[kept[k]], model.rigid, model.mean_orientation,
-                      twistCount(config.motion), row.data());
+      computeFeatures(pairs.motions[kept[k]], model.rigid, model.mean_orientation, config.motion,
+                      row.data());
       x.row(r) = row.transpose();
       groups.push_back(static_cast<int>(pairs.samples[kept[k]].trajectory));
       y.row(r) = correctionBetween(*means[k], rigid.to[k]).transpose();

@@ -42,6 +42,10 @@ void readMotion(YamlReader yaml, MotionOptions& motion) {
   yaml.number("window", motion.window, 1e-3, 10.0);
   yaml.numberList("intervals", motion.intervals, 1e-3, 10.0);
   yaml.number("max_gap", motion.max_gap, 1e-3, 10.0);
+  yaml.number("play_length", motion.play_length, 0.0, 1.0);
+  yaml.number("play_angle", motion.play_angle, 0.0, 3.0);
+  if ((motion.play_length > 0.0) != (motion.play_angle > 0.0))
+    yaml.problem("play_angle", "play_length and play_angle must be both zero or both above");
   yaml.refuseUnknownKeys();
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 void appendTrajectory(const Trajectory& trajectory, std::size_t index, const MotionOptions& motion,
                       double delay, double max_gap, const CleanGates& gates,
-                      std::vector<TestState>& states) {
+                      MotionEstimator& estimator, std::vector<TestState>& states) {
   const PoseStream commands = screenCommands(trajectory.commands).samples;
   const ScreenedStream screened = screenObservations(trajectory.observations);
   std::vector<Motion> central;
@@ -18,7 +18,8 @@ void appendTrajectory(const Trajectory& trajectory, std::size_t index, const Mot
   MotionOptions causal;
   causal.velocity = VelocityKind::kCausal;
   causal.max_gap = motion.max_gap;
-  MotionEstimator estimator(motion), speed(causal);
+  MotionEstimator speed(causal);
+  estimator.startMotion();
   using Outcome = MotionEstimator::Outcome;
   for (std::size_t row = 0; row < trajectory.observations.size(); ++row) {
     const StampedPose& observation = trajectory.observations[row];
@@ -32,7 +33,7 @@ void appendTrajectory(const Trajectory& trajectory, std::size_t index, const Mot
     state.trajectory = index;
     state.row = row;
     state.motion = estimator.motion();
-    if (!central.empty()) state.motion = central[screened.index_of[row]];
+    if (!central.empty()) state.motion.twists = central[screened.index_of[row]].twists;
     state.command = *command;
     const Motion& moving = speed.motion();
     state.plausible = outcome == Outcome::kAccepted && screened.fate[row] == Fate::kKept &&
@@ -49,8 +50,9 @@ void appendTrajectory(const Trajectory& trajectory, std::size_t index, const Mot
 std::vector<TestState> makeTestStates(const Dataset& dataset, const MotionOptions& motion,
                                       double delay, double max_gap, const CleanGates& gates) {
   std::vector<TestState> states;
+  MotionEstimator estimator(motion);
   for (std::size_t k = 0; k < dataset.trajectories.size(); ++k)
-    appendTrajectory(dataset.trajectories[k], k, motion, delay, max_gap, gates, states);
+    appendTrajectory(dataset.trajectories[k], k, motion, delay, max_gap, gates, estimator, states);
   return states;
 }
 

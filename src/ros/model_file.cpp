@@ -113,6 +113,8 @@ CorrectionModel modelToMsg(const Correction& model) {
   msg.velocity_window = model.motion.window;
   msg.velocity_intervals = model.motion.intervals;
   msg.max_gap = model.motion.max_gap;
+  msg.play_length = model.motion.play_length;
+  msg.play_angle = model.motion.play_angle;
   for (const GpGroup& group : model.process.groups) msg.groups.push_back(groupToMsg(group));
   msg.workspace_min = pointToMsg(model.trust.workspace_min);
   msg.workspace_max = pointToMsg(model.trust.workspace_max);
@@ -162,6 +164,8 @@ Correction modelFromMsg(const CorrectionModel& msg) {
   model.motion.window = msg.velocity_window;
   model.motion.intervals = msg.velocity_intervals;
   model.motion.max_gap = msg.max_gap;
+  model.motion.play_length = msg.play_length;
+  model.motion.play_angle = msg.play_angle;
   checkMotionOptions(model.motion);
   if (!msg.groups.empty()) {
     const std::size_t features = featureCount(model.motion);

@@ -7,7 +7,7 @@
 #include "raven_correction/evaluation/visits.h"
 #include "raven_correction/report/visits_report.h"
 #include "raven_correction/ros/offline.h"
-#include "raven_correction/ros/session_bag.h"
+#include "raven_correction/ros/session_visits.h"
 
 namespace raven_correction {
 namespace {
@@ -18,25 +18,10 @@ struct Arguments {
   double max_ratio = 0.0;
 };
 
-std::vector<Visit> visitsOf(const std::string& file, double rest) {
-  const Session session = readSessionBag(file);
-  std::vector<Visit> visits;
-  for (std::size_t i = 0; i < session.goals.size(); ++i) {
-    const TrajectoryGoal& goal = session.goals[i];
-    if (!goal.has_target) continue;
-    visits.push_back(measureVisit(goal.trajectory, goal.target,
-                                  session.dataset.trajectories[i].observations, goal.end, rest));
-  }
-  if (visits.empty())
-    throw InvalidInput(
-        format("%s: no trajectory_event with a target; record the planner's events", file.c_str()));
-  return visits;
-}
-
 void compare(const Arguments& arguments) {
   checkOutputFile(arguments.json, true);
-  const VisitComparison comparison = compareVisits(visitsOf(arguments.before, arguments.rest),
-                                                   visitsOf(arguments.after, arguments.rest));
+  const VisitComparison comparison = compareVisits(readVisits(arguments.before, arguments.rest),
+                                                   readVisits(arguments.after, arguments.rest));
   std::fputs(visitsText(comparison).c_str(), stdout);
   if (!arguments.json.empty())
     writeTextFile(arguments.json, visitsJson(comparison, arguments.bag, arguments.model));

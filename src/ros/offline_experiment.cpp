@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // offline experiment NAME: experiments of the paper and of this package. fidelity: how like a
-// measured session the simulation is; physics: what physics as the mean of the regression is worth.
+// measured session the simulation is; physics: what physics as the mean of the regression is worth;
+// repeatability (offline_repeatability.cpp): poses visited again and again through the nodes.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -106,6 +107,7 @@ void addExperimentCommand(CLI::App& app) {
   CLI::App* const experiment = app.add_subcommand("experiment", "Experiments, by name");
   experiment->require_subcommand(1);
   addPhysics(*experiment);
+  addRepeatabilityExperiment(*experiment);
   const auto arguments = std::make_shared<FidelityArguments>();
   CLI::App* const command = experiment->add_subcommand(
       "fidelity",

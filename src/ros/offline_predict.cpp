@@ -61,7 +61,7 @@ void predict(const Arguments& arguments) {
   std::string text = "trajectory,stamp,x,y,z,qx,qy,qz,qw,sx,sy,sz,srx,sry,srz,status\n";
   std::size_t rows = 0, refused = 0;
   for (const NamedPoseStream& stream : streams) {
-    estimator.reset();
+    estimator.startMotion();
     for (const StampedPose& state : stream.samples) {
       ++rows;
       const double stamp = state.stamp - model.delay;

@@ -124,8 +124,9 @@ bool PlannerNode::onRun(RunPlanner::Request& request, RunPlanner::Response& resp
   response.message = outcome.message;
   response.trajectories = outcome.completed;
   response.duration = now() - start;
+  const std::size_t asked = request.targets.empty() ? request.trajectories : request.targets.size();
   const double share =
-      request.trajectories > 0 ? static_cast<double>(outcome.completed) / request.trajectories : 0;
+      asked > 0 ? static_cast<double>(outcome.completed) / static_cast<double>(asked) : 0.0;
   progress(outcome.success ? WorkProgress::SUCCEEDED : WorkProgress::FAILED, "", share, 0.0,
            outcome.message);
   if (outcome.success)
@@ -161,10 +162,47 @@ std::optional<Pose> PlannerNode::startPose() {
   return setpoint_;
 }
 
+namespace {
+
+/// @throws InvalidInput  a target that is no pose, outside the box, or out of the robot's reach
+std::vector<Pose> targetsOf(const RunPlanner::Request& request, const DebridementConfig& config,
+                            const DebridementMotion& motion) {
+  std::vector<Pose> targets;
+  for (std::size_t i = 0; i < request.targets.size(); ++i) {
+    Pose target = poseFromMsg(request.targets[i]);
+    if (!isFinite(target) || !hasUnitQuaternion(target))
+      throw InvalidInput(
+          format("target %zu is not a finite pose with a unit quaternion (x, y, z, w)", i));
+    target.q.normalize();
+    if (!(target.p.array() >= config.box_lower.array()).all() ||
+        !(target.p.array() <= config.box_upper.array()).all())
+      throw InvalidInput(
+          format("target %zu at (%g, %g, %g) m is outside the box of the planner "
+                 "(box_lower, box_upper); are positions in metres?",
+                 i, target.p.x(), target.p.y(), target.p.z()));
+    if (!motion.isReachable(target))
+      throw InvalidInput(format("target %zu at (%g, %g, %g) m is out of the robot's reach", i,
+                                target.p.x(), target.p.y(), target.p.z()));
+    targets.push_back(target);
+  }
+  if (!targets.empty() && request.trajectories != 0 && request.trajectories != targets.size())
+    throw InvalidInput(format("trajectories = %u, but there are %zu targets; leave it 0",
+                              request.trajectories, targets.size()));
+  return targets;
+}
+
+}  // namespace
+
+DebridementTrajectory PlannerNode::nextMotion(const std::vector<Pose>& targets, unsigned i,
+                                              DebridementMotion& motion) const {
+  if (!targets.empty()) return motion.moveTo(targets[i], 0.0);
+  return params_.debridement ? motion.next(0.0) : motion.moveTo(motion.randomTarget(), 0.0);
+}
+
 PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request) {
   Outcome outcome;
   DebridementConfig config = params_.motion;
-  if (request.trajectories == 0)
+  if (request.trajectories == 0 && request.targets.empty())
     throw InvalidInput("trajectories = 0, must be > 0; 50 are enough to train a model");
   if (!(request.speed >= 0.0 && request.speed <= 1.0))
     throw InvalidInput(
@@ -182,6 +220,9 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
   config.box_upper.array() += request.margin;
   const std::string prefix = request.prefix.empty() ? "t" : request.prefix;
   DebridementMotion motion(config, robot_, request.seed);
+  const std::vector<Pose> targets = targetsOf(request, config, motion);
+  const unsigned count =
+      targets.empty() ? request.trajectories : static_cast<unsigned>(targets.size());
 
   if (!waitFor([] { return ros::Time::now().isValid(); }, params_.start_timeout))
     throw InvalidInput("the clock stands at 0: /use_sim_time is set, but nobody publishes /clock");
@@ -193,8 +234,7 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
                        ", so the start is unknown; does the robot's controller run?");
 
   const auto stopped = [&] {
-    outcome.message = format("stopped after %u of %u motions", outcome.completed,
-                             static_cast<unsigned>(request.trajectories));
+    outcome.message = format("stopped after %u of %u motions", outcome.completed, count);
     return outcome;
   };
   const double begin = now();
@@ -206,10 +246,9 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
                  config.acceleration, 1.0 / config.rate);
   if (!play(approach, {}, now(), last_stamp) || !rest()) return stopped();
 
-  const unsigned report_every = std::max(1u, (request.trajectories + kReports - 1) / kReports);
-  for (unsigned i = 0; i < request.trajectories; ++i) {
-    const DebridementTrajectory trajectory =
-        params_.debridement ? motion.next(0.0) : motion.moveTo(motion.randomTarget(), 0.0);
+  const unsigned report_every = std::max(1u, (count + kReports - 1) / kReports);
+  for (unsigned i = 0; i < count; ++i) {
+    const DebridementTrajectory trajectory = nextMotion(targets, i, motion);
     const std::string name = prefix + format("%03u", i);
     const double start = now();
     announce(name, trajectory, start);
@@ -217,15 +256,14 @@ PlannerNode::Outcome PlannerNode::runMotions(const RunPlanner::Request& request)
     const bool completed = play(trajectory.commands, trajectory.jaw, start, last_stamp);
     endOf(name, trajectory, last_stamp, completed);
     if (completed) ++outcome.completed;
-    const double share = static_cast<double>(outcome.completed) / request.trajectories;
+    const double share = static_cast<double>(outcome.completed) / count;
     const double elapsed = (ros::SteadyTime::now() - real_begin).toSec();
     const double left = share > 0.0 ? elapsed * (1.0 - share) / share : -1.0;
-    const std::string text =
-        format("%u of %u motions", outcome.completed, static_cast<unsigned>(request.trajectories));
+    const std::string text = format("%u of %u motions", outcome.completed, count);
     progress(WorkProgress::RUNNING, "moving", share, left, text);
-    if (outcome.completed % report_every == 0 && outcome.completed < request.trajectories)
+    if (outcome.completed % report_every == 0 && outcome.completed < count)
       ROS_INFO("%s, %.0f s left", text.c_str(), left);
-    if (!completed || (!rest() && i + 1 < request.trajectories)) return stopped();
+    if (!completed || (!rest() && i + 1 < count)) return stopped();
   }
   outcome.success = true;
   outcome.message = format("%u motions in %.1f s", outcome.completed, now() - begin);

@@ -142,6 +142,92 @@ TEST(MotionEstimator, ABurstDoesNotShortenItsMemory) {
   EXPECT_NEAR(estimator.motion().twists[1].v.x(), 0.1, 1e-9);
 }
 
+MotionOptions withPlay() {
+  MotionOptions options;
+  options.play_length = 0.02;
+  options.play_angle = 0.3;
+  return options;
+}
+
+/// Moves evenly in 0.2 s by `distance` along x and by `angle` about z.
+void moveBy(double distance, double angle, double& stamp, Pose& pose, MotionEstimator& estimator) {
+  const Pose from = pose;
+  for (int i = 1; i <= 10; ++i) {
+    pose.p = from.p + Eigen::Vector3d(0.1 * i * distance, 0.0, 0.0);
+    pose.q = expRotation({0.0, 0.0, 0.1 * i * angle}) * from.q;
+    stamp += 0.02;
+    ASSERT_EQ(estimator.push(stamp, pose), Outcome::kAccepted);
+  }
+}
+
+TEST(MotionEstimator, PlayRemembersAtRestWhereTheToolHasComeFrom) {
+  MotionEstimator estimator(withPlay());
+  double stamp = 1.0;
+  Pose pose{{0.1, 0.2, 0.3}, expRotation({0.3, -0.8, 0.2})};
+  estimator.push(stamp, pose);
+  EXPECT_EQ(estimator.motion().play.p.norm(), 0.0);
+  const auto expectPlay = [&](double x, double rz) {
+    EXPECT_LT((estimator.motion().play.p - Eigen::Vector3d(x, 0.0, 0.0)).norm(), 1e-12);
+    EXPECT_LT((estimator.motion().play.r - Eigen::Vector3d(0.0, 0.0, rz)).norm(), 1e-12);
+  };
+  moveBy(0.015, 0.2, stamp, pose, estimator);  // within the play
+  expectPlay(0.015, 0.2);
+  moveBy(0.05, 0.5, stamp, pose, estimator);  // and far beyond it
+  expectPlay(0.02, 0.3);
+  moveBy(0.0, 0.0, stamp, pose, estimator);  // rest, to which the velocities do not know the way
+  EXPECT_EQ(estimator.motion().twists[0].v.norm(), 0.0);
+  expectPlay(0.02, 0.3);
+  stamp += 100.0;  // a pause between two motions
+  moveBy(0.0, 0.0, stamp, pose, estimator);
+  expectPlay(0.02, 0.3);
+  moveBy(-0.025, -0.5, stamp, pose, estimator);  // back: the position in part, the rest in full
+  expectPlay(-0.005, -0.2);
+}
+
+TEST(MotionEstimator, PlayTakesAMoveThatNobodySawForAStraightOne) {
+  MotionEstimator seen(withPlay()), unseen(withPlay());
+  Pose pose{{0.1, 0.2, 0.3}, Eigen::Quaterniond::Identity()};
+  double stamp = 1.0;
+  seen.push(stamp, pose);
+  unseen.push(stamp, pose);
+  moveBy(0.1, 0.8, stamp, pose, seen);
+  unseen.push(stamp, pose);
+  EXPECT_LT((seen.motion().play.p - unseen.motion().play.p).norm(), 1e-12);
+  EXPECT_LT((seen.motion().play.r - unseen.motion().play.r).norm(), 1e-12);
+}
+
+TEST(MotionEstimator, PlayGoesOnWithANewMotionAndIsForgottenByAReset) {
+  MotionEstimator estimator(withPlay());
+  double stamp = 50.0;
+  Pose pose;
+  moveBy(0.05, 0.5, stamp, pose, estimator);
+  estimator.startMotion();
+  ASSERT_EQ(estimator.push(1.0, pose), Outcome::kAccepted) << "stamps of another motion may be any";
+  EXPECT_NEAR(estimator.motion().play.p.x(), 0.02, 1e-12);
+  EXPECT_EQ(estimator.motion().twists[0].v.norm(), 0.0);
+  estimator.reset();
+  estimator.push(0.5, pose);
+  EXPECT_EQ(estimator.motion().play.p.norm(), 0.0);
+  EXPECT_EQ(estimator.motion().play.r.norm(), 0.0);
+}
+
+TEST(MotionsOf, GoesOnWithWhatTheEstimatorKnows) {
+  const MotionOptions options = withPlay();
+  PoseStream first, second;
+  for (int i = 0; i < 50; ++i) first.push_back(at(0.02 * i));
+  for (int i = 0; i < 50; ++i) second.push_back({5.0 + 0.02 * i, at(1.0 - 0.001 * i).pose});
+  MotionEstimator together(options), live(options);
+  motionsOf(first, options, together);
+  const std::vector<Motion> motions = motionsOf(second, options, together);
+  for (const StampedPose& sample : first) live.push(sample.stamp, sample.pose);
+  for (std::size_t i = 0; i < second.size(); ++i) {
+    live.push(second[i].stamp, second[i].pose);
+    EXPECT_EQ(live.motion().play.p, motions[i].play.p);
+    EXPECT_EQ(live.motion().play.r, motions[i].play.r);
+  }
+  EXPECT_NE(motions[0].play.p, motionsOf(second, options)[0].play.p);
+}
+
 TEST(MotionsOf, CentralIsTheFivePointStencilWithinEachMotion) {
   PoseStream stream;
   for (int i = 0; i < 10; ++i) stream.push_back(at(0.02 * i));
@@ -160,6 +246,13 @@ TEST(MotionOptions, AreChecked) {
   options.intervals = {0.1, 0.2, 0.3, 0.4, 0.5};
   EXPECT_THROW(checkMotionOptions(options), InvalidInput);
   EXPECT_THROW(velocityFromName("fast"), InvalidInput);
+  options = {};
+  options.play_length = 0.02;
+  EXPECT_THROW(checkMotionOptions(options), InvalidInput) << "one without the other";
+  options.play_angle = -0.1;
+  EXPECT_THROW(checkMotionOptions(options), InvalidInput);
+  options.play_angle = 0.3;
+  EXPECT_NO_THROW(checkMotionOptions(options));
 }
 
 }  // namespace

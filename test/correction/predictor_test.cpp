@@ -19,6 +19,34 @@ TEST(Correction, ApplyUndoesBetween) {
   }
 }
 
+TEST(Correction, FeaturesAreThePoseTheTwistsAndThePlayAfterTheRigidStep) {
+  std::mt19937_64 random(4);
+  const Pose rigid = randomPose(random);
+  const Eigen::Quaterniond mean = randomPose(random).q;
+  MotionOptions options;
+  options.intervals = {0.05, 0.15};
+  Motion motion;
+  motion.pose = randomPose(random);
+  for (std::size_t k = 0; k < 2; ++k)
+    motion.twists[k] = {randomVector(random, 0.1), randomVector(random, 1.0)};
+  motion.play = {randomVector(random, 0.02), randomVector(random, 0.3)};
+  const auto features = [&] {
+    Eigen::VectorXd x = Eigen::VectorXd::Constant(kMaxFeatures + 1, -7.0);
+    computeFeatures(motion, rigid, mean, options, x.data());
+    EXPECT_EQ(x(static_cast<Eigen::Index>(featureCount(options))), -7.0) << "written beyond";
+    return Eigen::VectorXd(x.head(static_cast<Eigen::Index>(featureCount(options))));
+  };
+  ASSERT_EQ(features().size(), 18);
+  options.play_length = 0.02;
+  options.play_angle = 0.3;
+  const Eigen::VectorXd x = features();
+  ASSERT_EQ(x.size(), 24);
+  EXPECT_LT((x.head<3>() - rigid * motion.pose.p).norm(), 1e-15);
+  EXPECT_LT((x.segment<3>(12) - rigid.q * motion.twists[1].v).norm(), 1e-15);
+  EXPECT_LT((x.segment<3>(18) - rigid.q * motion.play.p).norm(), 1e-15);
+  EXPECT_LT((x.segment<3>(21) - rigid.q * motion.play.r).norm(), 1e-15);
+}
+
 TEST(Predictor, ReproducesTheFieldAtFreshPoses) {
   const Correction model = simpleModel();
   const Predictor predictor(model);

@@ -9,7 +9,7 @@ import yaml
 
 from project import Finding, Skipped
 
-STANDARD = re.compile(r"^[a-z_0-9]+$|^(unistd|fcntl|time|sys/\w+|pthread|sched|malloc|glob|signal)\.h$")
+STANDARD = re.compile(r"^[a-z_0-9]+$|^(unistd|fcntl|time|sys/\w+|pthread|sched|malloc|glob|signal|netinet/in)\.h$")
 
 
 def load_table(project):

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <future>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "raven_correction/RunPlanner.h"
@@ -249,6 +250,50 @@ TEST_F(Planner, RefusesARunOfNothingAndASpeedThatIsNone) {
   ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
   EXPECT_FALSE(call.response.success);
   EXPECT_NE(call.response.message.find("margin"), std::string::npos) << call.response.message;
+}
+
+TEST_F(Planner, VisitsTheTargetsItIsGivenInTheirOrder) {
+  aimAt(kHome);
+  clear();
+  std::vector<Pose> targets(3, Pose{DebridementConfig().field_centre, kHome.q});
+  targets[1].p += Eigen::Vector3d(0.02, -0.01, 0.005);
+  targets[2] = targets[0];
+  RunPlanner call;
+  for (const Pose& target : targets) call.request.targets.push_back(poseToMsg(target));
+  ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
+  EXPECT_TRUE(call.response.success) << call.response.message;
+  EXPECT_EQ(call.response.trajectories, 3u);
+  ASSERT_TRUE(waitForEvents(6));
+  const Heard all = copy();
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_LT((poseFromMsg(all.events[2 * i + 1].target).p - targets[i].p).norm(), 1e-12);
+    EXPECT_LT(rotationAngle(poseFromMsg(all.paths[i].poses.back()).q, targets[i].q), 1e-9);
+  }
+}
+
+TEST_F(Planner, RefusesTargetsThatAreNoneAndMovesToNoneOfThem) {
+  aimAt(kHome);
+  clear();
+  const Pose good{DebridementConfig().field_centre, kHome.q};
+  Pose millimetres = good, no_rotation = good, nowhere = good;
+  millimetres.p *= 1e3;
+  no_rotation.q.coeffs() *= 0.5;
+  nowhere.p.x() = std::nan("");
+  for (const auto& [bad, part] :
+       {std::pair(millimetres, "metres"), {no_rotation, "unit quaternion"}, {nowhere, "finite"}}) {
+    RunPlanner call;
+    call.request.targets = {poseToMsg(good), poseToMsg(bad)};
+    ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
+    EXPECT_FALSE(call.response.success);
+    EXPECT_NE(call.response.message.find(part), std::string::npos) << call.response.message;
+    EXPECT_NE(call.response.message.find("target 1"), std::string::npos) << call.response.message;
+  }
+  RunPlanner call;
+  call.request.trajectories = 5;
+  call.request.targets = {poseToMsg(good)};
+  ASSERT_TRUE(ros::service::call(nh.resolveName("planner/run"), call));
+  EXPECT_FALSE(call.response.success);
+  EXPECT_TRUE(copy().events.empty());
 }
 
 TEST_F(Planner, TurnsTheToolFurtherWhenAsked) {

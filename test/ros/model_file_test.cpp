@@ -22,7 +22,12 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
   const std::string file = folder.path() + "/model.bag";
   for (const VelocityKind velocity :
        {VelocityKind::kNone, VelocityKind::kCausal, VelocityKind::kPast}) {
-    const Correction written = simpleModel(velocity);
+    Correction written = simpleModel(velocity);
+    if (velocity == VelocityKind::kPast) {  // of a play instead of the third interval
+      written.motion.intervals.pop_back();
+      written.motion.play_length = 0.025;
+      written.motion.play_angle = 0.4;
+    }
     writeModelFile(written, file, true);
     const Correction read = readModelFile(file);
     EXPECT_EQ(read.id, written.id);
@@ -32,6 +37,8 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
     EXPECT_EQ(read.rigid.q.coeffs(), written.rigid.q.coeffs());
     EXPECT_EQ(read.mean_orientation.coeffs(), written.mean_orientation.coeffs());
     EXPECT_EQ(read.motion.intervals, written.motion.intervals);
+    EXPECT_EQ(read.motion.play_length, written.motion.play_length);
+    EXPECT_EQ(read.motion.play_angle, written.motion.play_angle);
     ASSERT_EQ(read.process.groups.size(), written.process.groups.size());
     for (std::size_t g = 0; g < read.process.groups.size(); ++g) {
       const GpGroup &a = read.process.groups[g], &b = written.process.groups[g];

@@ -44,8 +44,7 @@ inline Correction simpleModel(VelocityKind velocity = VelocityKind::kCausal,
     motion.pose.p = {uniform(random), uniform(random), uniform(random)};
     motion.pose.p += centre.p;
     motion.pose.q = expRotation(randomVector(random, 0.1)) * centre.q;
-    computeFeatures(motion, model.rigid, model.mean_orientation, twistCount(model.motion),
-                    row.data());
+    computeFeatures(motion, model.rigid, model.mean_orientation, model.motion, row.data());
     x.row(i) = row.transpose();
     y.row(i) = fieldAt(model.rigid * motion.pose).transpose();
   }

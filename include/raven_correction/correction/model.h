@@ -74,18 +74,20 @@ struct Correction {
 };
 
 /// Features of the process: position and rotation vector relative to the mean orientation, then
-/// (v, w) of each twist, everything after G: 6 (1 + twistCount()).
+/// (v, w) of each twist, then (p, r) of the play where there is one, everything after G:
+/// 6 (1 + twistCount() + hasPlay()).
 std::size_t featureCount(const MotionOptions& options) noexcept;
+constexpr std::size_t kMaxFeatures = 6 * (2 + kMaxTwists);
 
 /// Writes featureCount() numbers. No allocation.
 /// @param motion  before G, in base [m, rad, s]
 /// @param rigid   G
 /// @param mean_orientation  after G
-/// @param twists  of the motion that count
+/// @param options  with which `motion` was estimated
 /// @param features  x y z [m], rotation vector in the frame of the mean orientation [rad], then for
-///                  each twist v [m/s] and w [rad/s] in base
+///                  each twist v [m/s] and w [rad/s] in base, then of the play p [m] and r [rad]
 void computeFeatures(const Motion& motion, const Pose& rigid,
-                     const Eigen::Quaterniond& mean_orientation, std::size_t twists,
+                     const Eigen::Quaterniond& mean_orientation, const MotionOptions& options,
                      double* features) noexcept;
 
 /// y = (dp, r) that turns x_G (or what physics says) into the command: x y z in base [m], rotation

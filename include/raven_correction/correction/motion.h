@@ -33,16 +33,32 @@ struct MotionOptions {
   /// ends at the sample, every other where the one before it begins. [s]
   std::vector<double> intervals{0.05, 0.15, 0.4};
   double max_gap = 0.15;  ///< a longer time between samples starts a new motion [s]
+  /// How far the pose gets ahead of the follower of Motion::play, >= 0; both zero: there is none.
+  double play_length = 0.0;  ///< [m]
+  double play_angle = 0.0;   ///< [rad]
 };
 /// @throws InvalidInput  an option is out of its range, or there are more than kMaxTwists intervals
 void checkMotionOptions(const MotionOptions& options);
+/// Motion::play is a part of what is known.
+bool hasPlay(const MotionOptions& options) noexcept;
 /// Number of twists in a Motion: intervals for kPast, none for kNone, otherwise one.
 std::size_t twistCount(const MotionOptions& options) noexcept;
 
-/// Pose and twists at one instant, in one frame.
+/// From one pose to another, both parts expressed in the base frame.
+struct Displacement {
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< of the origin [m]
+  Eigen::Vector3d r = Eigen::Vector3d::Zero();  ///< rotation vector [rad]
+};
+
+/// Pose, twists and play at one instant, in one frame.
 struct Motion {
   Pose pose;
   std::array<Twist, kMaxTwists> twists;  ///< the first twistCount() are set
+  /// From where a follower is that is dragged along behind the tool, on a string of length
+  /// play_length (for the position) and play_angle (for the orientation): the direction in which
+  /// the tool has come, which it still has at rest, where there is no velocity. Friction and
+  /// backlash depend on it. Zero where there is no play, and before the tool has moved.
+  Displacement play;
   double step = 0.0;  ///< since the sample before [s]; 0 for the first of a motion
 };
 
@@ -53,6 +69,12 @@ struct Motion {
 ///            position, or the rotation vector relative to the present orientation, interpolated
 ///            between samples; before its first sample a motion was at rest
 ///   kCentral has no live form: it is answered as kCausal
+///
+///   play     vector play operator: the follower z stays where it is while |x - z| <= length, and
+///   is
+///            else pulled towards x until |x - z| = length. It stays in the pauses between motions,
+///            too; a move that nobody saw counts as a straight one.
+///            Source: Brokate, Sprekels 1996, doi:10.1007/978-1-4612-4048-8
 class MotionEstimator {
  public:
   explicit MotionEstimator(const MotionOptions& options);
@@ -70,14 +92,18 @@ class MotionEstimator {
   /// Of the last accepted sample.
   const Motion& motion() const noexcept { return motion_; }
   /// Goes on with the motion that another one has followed, as far back as it remembers and
-  /// max_gap allows; motion() is of the next sample.
+  /// max_gap allows, and with its follower of the play (without one: dragged along what it
+  /// remembers); motion() is of the next sample.
   void takeOver(const MotionEstimator& other) noexcept;
-  /// Forgets everything: the next sample is the first of a motion.
+  /// The next sample is the first of another motion of the same tool; its stamp may be any.
+  void startMotion() noexcept;
+  /// Forgets everything, also where the follower of the play is.
   void reset() noexcept;
 
  private:
   void remember(const StampedPose& sample) noexcept;
   void pastTwists() noexcept;
+  void drag() noexcept;
 
   static constexpr std::size_t kCapacity = 1024;  ///< samples remembered
   MotionOptions options_;
@@ -86,6 +112,8 @@ class MotionEstimator {
   std::size_t count_ = 0;
   double last_stamp_ = 0.0;
   bool started_ = false;
+  bool dragged_ = false;  ///< there is a follower
+  Pose follower_;
   Motion motion_;
   struct Undo {  ///< what the last sample has overwritten
     std::size_t count = 0, place = 0;
@@ -93,11 +121,17 @@ class MotionEstimator {
     double last_stamp = 0.0;
     bool started = false;
     Motion motion;
+    bool dragged = false;
+    Pose follower;
   } undo_;
 };
 
 /// The motions of all samples of a recorded stream; kCentral looks ahead within each motion.
-/// @param stream  stamps strictly increasing
+/// @param stream     stamps strictly increasing
+/// @param estimator  of these options, that knows of the motions before: goes on with another one
+std::vector<Motion> motionsOf(const PoseStream& stream, const MotionOptions& options,
+                              MotionEstimator& estimator);
+/// The same where nothing is known of the time before.
 std::vector<Motion> motionsOf(const PoseStream& stream, const MotionOptions& options);
 
 }  // namespace raven_correction

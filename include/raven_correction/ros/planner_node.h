@@ -54,6 +54,8 @@ class PlannerNode {
   bool onRun(RunPlanner::Request& request, RunPlanner::Response& response);
   bool onStop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
   Outcome runMotions(const RunPlanner::Request& request);
+  DebridementTrajectory nextMotion(const std::vector<Pose>& targets, unsigned i,
+                                   DebridementMotion& motion) const;
   std::optional<Pose> startPose();
   bool play(const PoseStream& motion, const std::vector<double>& jaw, double start,
             double& last_stamp);

@@ -71,6 +71,8 @@ class DebridementMotion {
   DebridementTrajectory next(double start);
   /// A random pose over the field that the robot can reach, e.g. as a target of one's own.
   Pose randomTarget();
+  /// The robot's joints reach the pose. Commands also stay in the box, whatever the target.
+  bool isReachable(const Pose& X_base_tool) const;
   /// A motion from rest() to `target`, with the same speed profile and without the jaw; becomes the
   /// new rest.
   DebridementTrajectory moveTo(const Pose& target, double start);
@@ -83,7 +85,6 @@ class DebridementMotion {
     Eigen::Vector3d rotation;     // rotation vector, in the tool frame at its start [rad]
   };
   double durationOf(const Pose& from, const Pose& to) const;
-  bool isReachable(const Pose& X_base_tool) const;
   Pose randomPose(const Eigen::Vector3d& centre, const Eigen::Vector3d& size);
   DebridementTrajectory follow(const std::vector<Pose>& waypoints, double start);
   void addJaw(double before, double after, DebridementTrajectory& trajectory) const;

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// offline experiment repeatability: Table II of the paper on the simulated robot, through the real
+// nodes, on a ROS master that the command starts and ends.
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include "raven_correction/error.h"
+#include "raven_correction/report/repeatability_report.h"
+#include "raven_correction/ros/offline.h"
+#include "raven_correction/ros/repeatability_experiment.h"
+
+namespace raven_correction {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  RepeatabilityParams params;
+  std::string json, output;
+};
+
+/// A folder for the nodes, which stays if the experiment fails, so that its log can be read.
+std::string temporaryFolder() {
+  std::string name = fs::temp_directory_path() / "raven_correction_repeatability_XXXXXX";
+  if (mkdtemp(name.data()) == nullptr)
+    throw InvalidInput(format("%s: cannot be made; set --output", name.c_str()));
+  return name;
+}
+
+void run(const Arguments& arguments) {
+  checkOutputFile(arguments.json, true);
+  RepeatabilityParams params = arguments.params;
+  checkRepeatability(params);
+  if (!arguments.output.empty()) {
+    fs::create_directories(arguments.output);
+    if (!fs::is_empty(arguments.output))
+      throw InvalidInput(format("%s: is not empty; nothing was written, choose another folder",
+                                arguments.output.c_str()));
+  }
+  params.folder = arguments.output.empty() ? temporaryFolder() : arguments.output;
+  RepeatabilityReport report = runRepeatability(params, showProgress);
+  if (arguments.output.empty()) {
+    fs::remove_all(params.folder);
+    report.folder.clear();
+  }
+  std::fputs(repeatabilityText(report).c_str(), stdout);
+  if (!arguments.json.empty()) writeTextFile(arguments.json, repeatabilityJson(report));
+}
+
+}  // namespace
+
+void addRepeatabilityExperiment(CLI::App& experiment) {
+  const auto arguments = std::make_shared<Arguments>();
+  RepeatabilityParams& params = arguments->params;
+  CLI::App* const command = experiment.add_subcommand(
+      "repeatability",
+      "Table II of the paper: random fragment poses, each visited many times open loop; without "
+      "correction, with every pose of the trajectory corrected, and with its endpoints only. "
+      "Through the real nodes and the simulated robot, on a ROS master of its own");
+  command->add_option("--poses", params.poses, "fragment poses; default 10");
+  command->add_option("--visits", params.visits, "of each pose and condition; default 10");
+  command->add_option("--trajectories", params.trajectories,
+                      "motions recorded to learn from, without correction; default " +
+                          std::to_string(params.trajectories));
+  command->add_option("--seed", params.seed, "of poses, orders, motions and noise; default 1");
+  command->add_option(
+      "--clock-rate", params.clock_rate,
+      format("simulated seconds per real second, at most; default %g", params.clock_rate));
+  command->add_option("--simulation", params.simulation,
+                      "simulation file; default: config/simulation/demo.yaml of the package");
+  command->add_option("--config", params.configuration,
+                      "training configuration; default: config/trainer.yaml of the package");
+  command->add_option("--output", arguments->output,
+                      "keep bags, model and log in this folder (empty or new)");
+  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raven_correction
