@@ -11,10 +11,18 @@ namespace raven_correction {
 namespace {
 
 TEST_F(CorrectorTest, ANewModelKnowsTheMotionSoFar) {
-  Correction first = simpleModel(VelocityKind::kPast), again = first;
+  // The way back through a simulation depends on the velocity: it undoes a delay.
+  Correction first = simpleModel(VelocityKind::kPast);
+  first.process = {};
+  first.physics.texts =
+      simulationTexts(loadSimulationConfig("config/simulation/raven2_left_case2014.yaml"));
+  first.physics.timing = {first.delay, 0.01, 100.0};
+  first.trust.workspace_min.setConstant(-1.0);
+  first.trust.workspace_max.setConstant(1.0);
+  Correction again = first;
   again.id = "the same under another name";
-  const auto moving = [](int i) {  // 50 mm/s: the velocity counts
-    return Pose{{-0.04 + 1e-3 * i, 0.01, -0.01}, expRotation({0.02, 0.0, 1e-3 * i})};
+  const auto moving = [](int i) {  // 25 mm/s
+    return Pose{{-0.02 + 5e-4 * i, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
   };
   Corrector swapped(looseLimits()), late(looseLimits()), undisturbed(looseLimits());
   swapped.setModel(first);
@@ -40,7 +48,7 @@ TEST_F(CorrectorTest, ANewModelKnowsTheMotionSoFar) {
   ignorant.setMode(CorrectorMode::kFull);
   const Pose alone = ignorant.correct(stampOf(60), stampOf(60), moving(60), false).command;
   const Pose expected = undisturbed.correct(stampOf(60), stampOf(60), moving(60), false).command;
-  EXPECT_GT((alone.p - expected.p).norm(), 1e-5);
+  EXPECT_GT((alone.p - expected.p).norm(), 1e-3);
 }
 
 TEST_F(CorrectorTest, WhatIsPreparedAndNotSentChangesNothing) {
@@ -300,7 +308,8 @@ TEST_F(CorrectorTest, AMeasuredPoseCountsForAsLongAsItsStampIsNearTheClock) {
   const Pose last = send(corrector, 9).command;
   const CorrectorOutput output = send(corrector, 10);  // 0.12 s
   EXPECT_EQ(output.tool_known_by, ToolKnownBy::kLastCommand);
-  EXPECT_LE((output.command.p - last.p).norm(), 0.004 + 1e-9);
+  EXPECT_LE((output.command.p - last.p).norm(),
+            std::max(0.004, (inside(10).p - last.p).norm()) + 1e-9);
   corrector.setMeasured(stampOf(10), stampOf(16), tool);
   EXPECT_EQ(send(corrector, 16).tool_known_by, ToolKnownBy::kLastCommand);
 }
