@@ -127,7 +127,7 @@ PrivateLaunch::PrivateLaunch(const std::vector<std::string>& arguments, const st
 
 void PrivateLaunch::start(const std::vector<std::string>& arguments, const std::string& folder) {
   log_ = fs::absolute(folder) / "nodes.log";
-  std::vector<std::string> words{"roslaunch", "-p", std::to_string(ros::master::getPort())};
+  std::vector<std::string> words{"roslaunch"};  // starts the master that ROS_MASTER_URI names
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

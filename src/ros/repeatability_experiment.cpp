@@ -30,6 +30,7 @@ namespace {
 
 constexpr char kArm[] = "raven/left";
 constexpr double kRest = 0.3;  // before the end of a visit, in which the tool is at rest [s]
+constexpr double kClockTimeout = 10.0;  // for the first message on /clock [s, real]
 // Motions, orders and noise are drawn independently of one another.
 constexpr std::uint32_t kPosesSeed = 1000, kTrainingSeed = 2000, kOrderSeed = 3000;
 
@@ -117,6 +118,8 @@ class Experiment {
                                 "corrector/enable", "corrector/set_mode"})
       services.push_back(nh_.resolveName(service));
     launch_.waitForServices(services);
+    if (!ros::Time::waitForValid(ros::WallDuration(kClockTimeout)))
+      throw std::runtime_error("the simulator does not publish /clock");
     drawVisits();
   }
 
