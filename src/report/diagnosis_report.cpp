@@ -219,7 +219,8 @@ std::string diagnosisJson(const Verdict& verdict) {
   if (!verdict.slow_delay.empty()) {
     json["delay"]["single_s"] = verdict.shown.delay;
     for (std::size_t j = 0; j < verdict.slow_delay.size(); ++j)
-      json["delay"]["slow_motion_s"][verdict.joints[j]] = verdict.slow_delay[j];
+      json["delay"]["slow_motion"].push_back(
+          {{"joint", verdict.joints[j]}, {"behind_s", verdict.slow_delay[j]}});
   }
   json["depends_on_before"] = dependenceJson(verdict.shown);
   json["depends_on_after"] = dependenceJson(verdict.left);

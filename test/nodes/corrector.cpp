@@ -180,7 +180,7 @@ TEST_F(NodesTest, TheWholeJob) {
   EXPECT_NE(dry.response.message.find("nothing written"), std::string::npos);
   EXPECT_EQ(written(), files);
   EXPECT_EQ(model_id_, model);
-  EXPECT_EQ(send(desired()).model, model);
+  EXPECT_EQ(probe_.send(desired()).model, model);
 
   // A second model that is forced, and the way back.
   Retrain again = retrain;

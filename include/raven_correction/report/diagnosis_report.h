@@ -31,7 +31,7 @@ std::string diagnosisText(const Verdict& verdict);
 ///  "after_learning" (what a Gaussian process
 ///   still learns from what is left, on motions held out, and the errors then),
 ///  "delay" (where commands drive the simulation): {"single_s": of everything, to first order,
-///  "slow_motion_s": {joint: delay and lag together}},
+///  "slow_motion": [{"joint", "behind_s"}] (delay and lag together)},
 ///  "depends_on_before", "depends_on_after": {group: {"share_percent", "interval_percent"}},
 ///  "data": {...}, "converged", "seconds", "seed"}
 /// Joint data: errors are objects by joint with keys rms_rad or rms_m, median_..., p95_...; noise
