@@ -95,7 +95,7 @@ TEST(HeldOutResiduals, SayWhatTheSimulationOfTheirFoldSays) {
   const Eigen::VectorXd residual = heldOutResiduals(problem, fit, 5, &simulated);
   for (std::size_t b = 0; b < c.layout.blocks.size(); ++b) {
     const ResidualBlock& block = c.layout.blocks[b];
-    if (c.layout.channels[static_cast<std::size_t>(block.channel)].unit != "rad") continue;
+    if (c.layout.channels[static_cast<std::size_t>(block.channel)].name != "orientation") continue;
     const Pose& measured = c.recording.motions[static_cast<std::size_t>(block.motion)]
                                .observations[static_cast<std::size_t>(block.sample)]
                                .pose;

@@ -42,7 +42,8 @@ TEST(Bootstrap, DrawsTheSameForTheSameSeedAndWithReplacement) {
   };
   EXPECT_EQ(draws(7), draws(7));
   EXPECT_NE(draws(7), draws(8));
-  std::set<std::size_t> first(draws(7).front().begin(), draws(7).front().end());
+  const auto all = draws(7);
+  const std::set<std::size_t> first(all.front().begin(), all.front().end());
   EXPECT_LT(first.size(), 12u) << "all of twelve in twelve draws: once in 18 000 times";
   EXPECT_LT(*first.rbegin(), 12u);
   bootstrapOverGroups(0, 5, 1, [](const std::vector<std::size_t>&) { FAIL(); });

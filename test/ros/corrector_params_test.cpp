@@ -10,7 +10,7 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kNow = 2000.0;
+constexpr double kNow = 1e9;
 
 Correction fitting() {
   Correction model;
