@@ -4,7 +4,6 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/console.h>
 #include <ros/ros.h>
-#include <std_srvs/SetBool.h>
 
 #include <filesystem>
 #include <mutex>
@@ -115,7 +114,7 @@ class Experiment {
       : params_(params), launch_(launch), nh_(kArm), ear_(nh_, progress) {
     std::vector<std::string> services;
     for (const char* service : {"recorder/start", "recorder/stop", "planner/run", "trainer/retrain",
-                                "corrector/enable", "corrector/set_mode"})
+                                "corrector/set_mode"})
       services.push_back(nh_.resolveName(service));
     launch_.waitForServices(services);
     if (!ros::Time::waitForValid(ros::WallDuration(kClockTimeout)))
@@ -238,10 +237,8 @@ class Experiment {
   void setMode(const std::string& name) {
     SetMode::Request mode;
     mode.mode = name;
-    call<SetMode>("corrector/set_mode", mode);
-    std_srvs::SetBool::Request enable;
-    enable.data = true;
-    call<std_srvs::SetBool>("corrector/enable", enable);
+    call<SetMode>("corrector/set_mode",
+                  mode);  // which enables it, too; ~enable has a mode of its own
   }
 
   const RepeatabilityParams& params_;
