@@ -10,9 +10,8 @@ namespace {
 
 using namespace overlay_painter;  // NOLINT: the pen of this file
 
-constexpr int kGrid[3] = {5, 5, 3};        // points of the error field along x, y, z
-constexpr double kFullShare = 0.999;       // of H: less is faded [-]
-constexpr std::size_t kLabelledCubes = 1;  // so many rejected samples are worth a label
+constexpr int kGrid[3] = {5, 5, 3};   // points of the error field along x, y, z
+constexpr double kFullShare = 0.999;  // of H: less is faded [-]
 
 std::vector<Eigen::Vector3d> pointsFromMsg(const std::vector<geometry_msgs::Point>& msgs) {
   std::vector<Eigen::Vector3d> points;
@@ -40,7 +39,7 @@ void drawRejected(const TrainingSamples& samples, const OverlayStyle& style, Pai
       if (samples.rejected[i].z > highest.z())
         highest = {samples.rejected[i].x, samples.rejected[i].y, samples.rejected[i].z};
     }
-    const bool any = cubes.points.size() >= kLabelledCubes;
+    const bool any = !cubes.points.empty();
     if (!any) cubes.action = Marker::DELETE;
     const unsigned count =
         reason < samples.reason_counts.size() ? samples.reason_counts[reason] : 0;

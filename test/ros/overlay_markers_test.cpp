@@ -4,22 +4,16 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
 #include <set>
 
 #include "raven_correction/CorrectionStatus.h"
+#include "support/markers.h"
 
 namespace raven_correction {
 namespace {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
-
-std::map<std::string, std::vector<Marker>> byNamespace(const MarkerArray& array) {
-  std::map<std::string, std::vector<Marker>> sorted;
-  for (const Marker& marker : array.markers) sorted[marker.ns].push_back(marker);
-  return sorted;
-}
 
 /// A second in which the tool was seen 24.1 mm and 0.1 rad beside, then 1 mm.
 OverlayHistory someHistory() {

@@ -5,9 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "raven_correction/ros/conversions.h"
+#include "support/markers.h"
 #include "support/simple_model.h"
 
 namespace raven_correction {
@@ -15,12 +14,6 @@ namespace {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
-
-std::map<std::string, std::vector<Marker>> byNamespace(const MarkerArray& array) {
-  std::map<std::string, std::vector<Marker>> sorted;
-  for (const Marker& marker : array.markers) sorted[marker.ns].push_back(marker);
-  return sorted;
-}
 
 TrainingSamples someSamples() {
   TrainingSamples samples;
