@@ -12,7 +12,9 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kSamePlace = 1e-6;     ///< an end of the path is this near [m, rad]
+constexpr double kSamePlace = 1e-6;  ///< an end of the path is this near [m, rad]
+/// A longer id of a model costs the first statuses that name it an allocation each.
+constexpr std::size_t kLongestModelId = 256;
 constexpr double kMasterSilence = 5.0;  ///< of the master, that is worth a warning [s]
 
 CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams& arm) {
@@ -43,6 +45,10 @@ CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& pri
   corrector_.setTuning(params.gain, params.limits.max_translation, params.limits.max_rotation);
   if (!arm.model.empty()) useModel(readModelFile(arm.model));
   setMode(params.enabled ? correctorModeFromName(params.mode) : CorrectorMode::kOff);
+  CorrectionStatus longest;
+  longest.header.frame_id = params.base_frame;
+  longest.model.assign(kLongestModelId, ' ');
+  statuses_.makeRoomFor(longest);
   status_publisher_ = nh_.advertise<CorrectionStatus>(topics::kStatus, 100);
   diagnostics_.setHardwareID("none");
   diagnostics_.add(arm.ns.empty() ? "correction" : "correction " + arm.ns, this,

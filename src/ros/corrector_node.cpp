@@ -170,6 +170,8 @@ void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
   CommandRequest request;
   Outputs outputs;
   const bool readable = readCommand(*message, arm_names_, request);
+  auto& pool = std::get<MessagePool<Message>>(pools_);
+  if (readable) pool.makeRoomFor(*message);
   const bool latched = replays_.isReplay(event.getConnectionHeaderPtr());
   if (decide(readable, latched, now.toSec(), request, outputs)) {
     // Header and all else stay as the planner sent them; an unchanged command is the same message.
@@ -177,7 +179,7 @@ void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
     for (std::size_t i = 0; i < arms_.size(); ++i) {
       if (!isAsked(request.arms[i]) || !isChanged(request.arms[i], outputs[i].command)) continue;
       if (changed == nullptr) {
-        changed = std::get<MessagePool<Message>>(pools_).next();
+        changed = pool.next();
         *changed = *message;
       }
       writeCommand(*changed, request.arms[i], outputs[i].command);
@@ -192,6 +194,12 @@ void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
     if (request.arms[i].kind != ArmRequest::Kind::kAbsent)
       arms_[i]->report(request.stamp, request.arms[i], outputs[i], compute_time);
 }
+
+template void CorrectorNode::onDesired(
+    const ros::MessageEvent<geometry_msgs::PoseStamped const>& event);
+template void CorrectorNode::onDesired(
+    const ros::MessageEvent<geometry_msgs::TransformStamped const>& event);
+template void CorrectorNode::onDesired(const ros::MessageEvent<RavenCommand const>& event);
 
 void CorrectorNode::onRobotState(const ros::MessageEvent<AnyMessage const>& event) {
   const auto md5sum = event.getConnectionHeader().find("md5sum");

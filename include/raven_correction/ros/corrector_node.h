@@ -30,13 +30,16 @@ class CorrectorNode {
   CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~CorrectorNode();
 
+  /// The callback of the command topic, of the live thread. After the first message nothing of ours
+  /// in it allocates, locks, or throws.
+  template <typename Message>
+  void onDesired(const ros::MessageEvent<Message const>& event);
+
  private:
   using Outputs = std::array<CorrectorOutput, kMaxCorrectedArms>;
 
   template <typename Message>
   void subscribeDesired();
-  template <typename Message>
-  void onDesired(const ros::MessageEvent<Message const>& event);
   bool decide(bool readable, bool latched, double now, CommandRequest& request, Outputs& outputs);
   void watchClock(const ros::Time& now);
   void watchRobotState(const ros::SteadyTime& now);

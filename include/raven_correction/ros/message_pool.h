@@ -18,6 +18,14 @@ class MessagePool {
     for (auto& message : messages_) message = boost::make_shared<Message>();
   }
 
+  /// Gives every message the size of this one, the first time only: next() is then assigned
+  /// messages of that size without allocation. Before the first next().
+  void makeRoomFor(const Message& like) {
+    if (has_room_) return;
+    has_room_ = true;
+    for (auto& message : messages_) *message = like;
+  }
+
   /// A message with any content that nobody else holds. Allocates only when all are held.
   boost::shared_ptr<Message> next() {
     for (std::size_t i = 0; i < messages_.size(); ++i) {
@@ -33,6 +41,7 @@ class MessagePool {
  private:
   std::array<boost::shared_ptr<Message>, 16> messages_;
   std::size_t last_ = 0;
+  bool has_room_ = false;
 };
 
 }  // namespace raven_correction
