@@ -9,6 +9,7 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/bag_file.h"
+#include "raven_correction/ros/checked_stream.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/topics.h"
 
@@ -87,6 +88,13 @@ GpGroup groupFromMsg(const GaussianProcess& msg, Eigen::Index features) {
   group.mean_weights = toMatrix(msg.mean_weights, 1 + features, outputs, "mean_weights");
   group.variance_factor = unpackLower(msg.variance_factor);
   return group;
+}
+
+std::vector<std::uint8_t> bytesOf(const rosbag::MessageInstance& instance) {
+  std::vector<std::uint8_t> bytes(instance.size());
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  instance.write(stream);
+  return bytes;
 }
 
 }  // namespace
@@ -205,8 +213,11 @@ Correction readModelFile(const std::string& file) {
     rosbag::Bag bag(file, rosbag::bagmode::Read);
     rosbag::View view(bag, rosbag::TopicQuery(topics::kModel));
     for (const rosbag::MessageInstance& instance : view)
-      if (const auto msg = instance.instantiate<CorrectionModel>()) return modelFromMsg(*msg);
-  } catch (const rosbag::BagException& error) {
+      if (instance.isType<CorrectionModel>())
+        return modelFromMsg(messageFromBytes<CorrectionModel>(bytesOf(instance)));
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(format("%s: %s", file.c_str(), error.what()));
+  } catch (const std::exception& error) {  // of rosbag, which trusts what it reads
     throw InvalidInput(format("%s: not a complete bag (%s); is it a model file, was it cut off?",
                               file.c_str(), error.what()));
   }

@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
 #include "raven_correction/correction/physics.h"
 #include "raven_correction/correction/predictor.h"
 #include "raven_correction/error.h"
+#include "raven_correction/ros/checked_stream.h"
 #include "support/simple_model.h"
 #include "support/temporary_directory.h"
 
@@ -117,6 +119,41 @@ TEST(ModelFile, DamageIsNamed) {
   EXPECT_NE(complaint(file).find("cut off"), std::string::npos) << complaint(file);
   std::ofstream(file) << "not a bag";
   EXPECT_NE(complaint(file).find("not a complete bag"), std::string::npos) << complaint(file);
+}
+
+// A count that is damaged must not cost the memory that it asks for: roscpp would try.
+TEST(ModelFile, DamagedBytesAreRefusedWhereverTheyAre) {
+  Correction model;
+  model.id = "small";
+  model.inputs = {"a.bag", "b.bag"};
+  CorrectionModel message = modelToMsg(model);
+  message.groups.resize(2);
+  message.groups[0].z.resize(4);
+  message.groups[0].outputs.resize(3);
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  const CorrectionModel read = messageFromBytes<CorrectionModel>(bytes);
+  EXPECT_EQ(read.id, "small");
+  EXPECT_EQ(read.groups.size(), 2u);
+
+  std::size_t refused = 0;
+  for (std::size_t at = 0; at + 4 <= bytes.size(); ++at) {
+    std::vector<std::uint8_t> damaged = bytes;
+    std::fill_n(damaged.begin() + static_cast<std::ptrdiff_t>(at), 4, std::uint8_t{255});
+    try {
+      messageFromBytes<CorrectionModel>(damaged);
+    } catch (const InvalidInput&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100u);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_THROW(messageFromBytes<CorrectionModel>(
+                     {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}),
+                 InvalidInput);
+  bytes.push_back(0);
+  EXPECT_THROW(messageFromBytes<CorrectionModel>(bytes), InvalidInput);
 }
 
 TEST(ModelFile, RefusesOtherFormatsAndSizes) {
