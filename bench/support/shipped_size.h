@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A correction that costs a corrector what the shipped one does: features, points and outputs as
+// config/trainer.yaml makes them. What it has learnt is made up.
+#pragma once
+
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <string>
+
+#include "raven_correction/correction/model.h"
+#include "raven_correction/correction/training_config.h"
+
+namespace raven_correction {
+namespace bench {
+
+inline Correction modelOfShippedSize() {
+  const char* const root = std::getenv("RAVEN_ROOT");  // ./run sets it
+  TrainingConfig config =
+      loadTrainingConfig(std::string(root == nullptr ? "." : root) + "/config/trainer.yaml");
+  Correction model;
+  model.id = "bench";
+  model.frame = "0_link";
+  model.rigid = {{0.01, -0.005, 0.008}, expRotation({0.05, -0.02, 0.1})};
+  model.mean_orientation = model.rigid.q;
+  model.motion = config.motion;
+  model.trust.workspace_min.setConstant(-0.05);
+  model.trust.workspace_max.setConstant(0.05);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  const Eigen::Index rows = config.process.max_exact_points;
+  const auto features = static_cast<Eigen::Index>(featureCount(config.motion));
+  Eigen::MatrixXd x(rows, features), y(rows, 6);
+  for (double& value : x.reshaped()) value = 0.05 * normal(random);
+  for (Eigen::Index k = 0; k < y.cols(); ++k)
+    y.col(k) = 0.01 * (20.0 * x.col(k)).array().sin() + 0.01 * x.col(k + 6).array();
+  config.process.criterion = HyperCriterion::kLikelihood;  // there are no motions to leave out
+  config.process.max_hyper_points = 200;
+  model.process = fitGp(x, y, config.process).model;
+  return model;
+}
+
+}  // namespace bench
+}  // namespace raven_correction
