@@ -49,7 +49,7 @@ changed_since() {
   [[ -e $1 ]] || return 0
   local -a sources=()
   local source
-  for source in CMakeLists.txt package.xml nodelets.xml cmake cfg include src msg srv launch test bench; do
+  for source in CMakeLists.txt package.xml nodelets.xml cmake cfg include src msg srv launch test bench fuzz; do
     [[ ! -e $root/$source ]] || sources+=("$root/$source")
   done
   [[ -n $(find "${sources[@]}" -newer "$1" -print -quit) ]]

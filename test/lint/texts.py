@@ -26,7 +26,7 @@ def check_licence(project):
 
 def check_opening(project):
     """A header says in its first lines which question it answers, and guards itself."""
-    for name in project.matching(r"(include|src|test|bench)/.*\.h"):
+    for name in project.matching(r"(include|src|test|bench|fuzz)/.*\.h"):
         lines = project.text(name).splitlines()
         if len(lines) < 2 or not re.match(r"// \w+", lines[1]):
             yield Finding(name, 2, "opening", "say in 2 to 4 lines of comment what this header answers")

@@ -42,7 +42,7 @@ def check_format(project):
     version = re.search(r"version (\d+)", run(project, "clang-format", "--version").stdout)
     if version is None or int(version[1]) != FORMAT_VERSION:
         raise Skipped(f"clang-format {FORMAT_VERSION} wanted, found {version[1] if version else 'none'}")
-    names = project.matching(r"(src|include|test|bench)/.*\.(h|cpp)")
+    names = project.matching(r"(src|include|test|bench|fuzz)/.*\.(h|cpp)")
     if names:
         result = run(project, "clang-format", "--dry-run", "--Werror", *names)
         worst = {}

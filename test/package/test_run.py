@@ -129,6 +129,12 @@ class Run(unittest.TestCase):
         self.assertIn("unknown command 'tset'", unknown.stderr)
         self.assertEqual(self.run_it("exec").returncode, 2)
         self.assertIn("NAME one of", self.run_it("bench").stderr)
+        for arguments, reason in ((("sanitize", "nonsense"), "usage"),
+                                  (("sanitize", "address", "nope"), "there is no test 'nope'"),
+                                  (("fuzz", "nope"), "TARGET one of: csv model"),
+                                  (("fuzz", "--seconds", "0"), "not a whole number")):
+            refused = self.run_it(*arguments)
+            self.assertEqual((refused.returncode, reason in refused.stderr), (2, True), refused.stderr)
 
     def test_offline_and_exec_pass_everything_through(self):
         if BUILD != ROOT / "build" or not (BUILD / ".built-all").exists():

@@ -7,7 +7,14 @@
 #include <cstddef>
 #include <cstdlib>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+// g++ says by a macro that it makes code for a sanitizer, clang by a feature.
+#if defined(__has_feature)
+#define RAVEN_HAS_FEATURE(feature) __has_feature(feature)
+#else
+#define RAVEN_HAS_FEATURE(feature) 0
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || \
+    RAVEN_HAS_FEATURE(address_sanitizer) || RAVEN_HAS_FEATURE(thread_sanitizer)
 #define RAVEN_COUNTS_ALLOCATIONS 0
 #else
 #define RAVEN_COUNTS_ALLOCATIONS 1
