@@ -52,11 +52,8 @@ double studentThreshold(double chance, int motions) {
   return std::sqrt(freedom * std::expm1(scaled * scaled / freedom));
 }
 
-}  // namespace
-
-double typicalThreshold(double chance, int motions) {
-  if (motions < 2) return std::numeric_limits<double>::infinity();
-  const std::vector<double> deviations = robustDeviations(motions);
+/// typicalThreshold() by these lists.
+double thresholdOf(const std::vector<double>& deviations, double chance) {
   double low = 0.0, high = 1e6;
   for (int i = 0; i < 100; ++i) {
     const double z = 0.5 * (low + high);
@@ -65,6 +62,13 @@ double typicalThreshold(double chance, int motions) {
     (beyond > chance * static_cast<double>(deviations.size()) ? low : high) = z;
   }
   return low;
+}
+
+}  // namespace
+
+double typicalThreshold(double chance, int motions) {
+  if (motions < 2) return std::numeric_limits<double>::infinity();
+  return thresholdOf(robustDeviations(motions), chance);
 }
 
 ClaimRule::ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed)
@@ -79,9 +83,21 @@ ClaimRule::ClaimRule(const ResidualLayout& layout, double least_share, std::uint
 }
 
 void ClaimRule::setTried(std::size_t tried, double significance) {
+  tried_ = std::max<std::size_t>(1, tried);
+  deviations_ = robustDeviations(std::max(2, layout_.motions));
+  significance_ = significance;
+  claims_ = 0;
+  setClaims(1);
+}
+
+void ClaimRule::setClaims(std::size_t claims) {
+  claims = std::clamp<std::size_t>(claims, 1, std::max<std::size_t>(1, tried_));
+  if (tried_ == 0 || claims == claims_) return;
+  claims_ = claims;
   // Half for each of the two ways to earn a place.
-  const double chance = 0.5 * significance / static_cast<double>(std::max<std::size_t>(1, tried));
-  typical_ = typicalThreshold(chance, layout_.motions);
+  const double chance =
+      0.5 * significance_ * static_cast<double>(claims) / static_cast<double>(tried_);
+  typical_ = thresholdOf(deviations_, chance);
   student_ = studentThreshold(chance, layout_.motions);
 }
 

@@ -16,21 +16,6 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kStepShare = 1e-3;     // of a parameter's range: width of a difference [-]
-constexpr double kStepOfValue = 0.05;   // a difference is no wider than this share of the value [-]
-constexpr double kSmallestStep = 0.05;  // and no narrower than this share of the first width [-]
-constexpr double kDelayStep = 4e-3;     // held set-points make the residual a staircase [s]
-
-/// Width and direction of the difference for one parameter.
-double differenceStep(const EffectParameter& parameter, double value) {
-  double step = kStepShare * (parameter.upper - parameter.lower);
-  if (parameter.unit == "s" && parameter.joint < 0)
-    step = kDelayStep;
-  else if (value != 0.0)
-    step = std::clamp(kStepOfValue * std::abs(value), kSmallestStep * step, step);
-  return value + step > parameter.upper ? -step : step;
-}
-
 /// Residuals and derivatives at the point that Ceres asks for: computed once for all blocks.
 class Evaluation : public ceres::EvaluationCallback {
  public:
@@ -72,13 +57,12 @@ class BlockCost : public ceres::CostFunction {
     Eigen::Map<Eigen::VectorXd>(residual, size_) =
         evaluation_.residual().segment(offset_, size_) / scale_;
     if (jacobians && jacobians[0]) {
-      using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
       const Eigen::MatrixXd& J = evaluation_.jacobian();
-      Eigen::MatrixXd rows = J.middleRows(offset_, size_) / scale_;
-      if (J.cols() == 1)
-        Eigen::Map<Eigen::VectorXd>(jacobians[0], size_) = rows.col(0);
-      else
-        Eigen::Map<RowMajor>(jacobians[0], size_, J.cols()) = rows;
+      const Eigen::Index p = J.cols();
+      const double inverse = 1.0 / scale_;
+      for (Eigen::Index c = 0; c < p; ++c)  // row by row, as Ceres wants it
+        for (Eigen::Index r = 0; r < size_; ++r)
+          jacobians[0][r * p + c] = J(offset_ + r, c) * inverse;
     }
     return true;
   }
@@ -158,26 +142,6 @@ SimulationConfig withValues(const SimulationConfig& simulation,
   return result;
 }
 
-Eigen::MatrixXd residualJacobian(const Recording& recording, const ResidualLayout& layout,
-                                 const SimulationConfig& simulation,
-                                 const std::vector<ParameterHandle>& parameters,
-                                 const Eigen::VectorXd& values, const Eigen::VectorXd& residual,
-                                 Eigen::Index first) {
-  const auto p = static_cast<Eigen::Index>(parameters.size());
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(layout.size, p);
-  parallelFor(static_cast<int>(p - first), [&](int index) {
-    const Eigen::Index i = first + index;
-    const EffectParameter parameter =
-        parameterOf(simulation, parameters[static_cast<std::size_t>(i)]);
-    const double step = differenceStep(parameter, values(i));
-    Eigen::VectorXd moved = values;
-    moved(i) += step;
-    jacobian.col(i) =
-        (residuals(recording, layout, withValues(simulation, parameters, moved)) - residual) / step;
-  });
-  return jacobian;
-}
-
 std::vector<NormalEquations> normalEquations(const ResidualLayout& layout,
                                              const Eigen::VectorXd& residual,
                                              const Eigen::MatrixXd& jacobian,
@@ -241,6 +205,8 @@ EffectFit fitEffects(const EffectFitProblem& problem) {
   options.dense_linear_algebra_library_type = ceres::EIGEN;  // not a slow LAPACK
   options.max_num_iterations = problem.max_iterations;
   options.function_tolerance = problem.tolerance;
+  // Steps stop at the bounds; a search along each of them costs more than it saves.
+  options.max_num_line_search_step_size_iterations = 0;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &least_squares, &summary);

@@ -13,26 +13,54 @@ namespace {
 
 constexpr int kResamples = 1000;
 
-/// Parameters of one fold: a step from those of all motions.
-Eigen::VectorXd withoutFold(const EffectFitProblem& problem, const EffectFit& fit,
-                            const Eigen::MatrixXd& H, const Eigen::VectorXd& g) {
-  Eigen::MatrixXd damped = H;
+/// Normal equations of all motions but those of a fold, for each fold.
+std::vector<NormalEquations> equationsWithoutFolds(const EffectFitProblem& problem,
+                                                   const EffectFit& fit, int folds) {
+  const ResidualLayout& layout = *problem.layout;
+  const Eigen::VectorXd scales = channelScales(layout, fit.residual, problem.use);
+  const std::vector<NormalEquations> motions =
+      normalEquations(layout, fit.residual, fit.jacobian, scales);
   const Eigen::Index p = fit.values.size();
-  std::vector<EffectParameter> parameters;
-  for (Eigen::Index i = 0; i < p; ++i) {
-    parameters.push_back(
-        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]));
-    // What the other motions do not determine stays where it is.
-    damped(i, i) +=
-        1e-9 * H(i, i) + std::pow(parameters.back().upper - parameters.back().lower, -2);
+  NormalEquations all{Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p)};
+  for (const NormalEquations& motion : motions) {
+    all.H += motion.H;
+    all.g += motion.g;
   }
-  Eigen::VectorXd values = fit.values - damped.ldlt().solve(g);
-  for (Eigen::Index i = 0; i < p; ++i) {
-    const EffectParameter& parameter = parameters[static_cast<std::size_t>(i)];
+  std::vector<NormalEquations> rests(static_cast<std::size_t>(folds), all);
+  for (std::size_t m = 0; m < motions.size(); ++m) {
+    NormalEquations& rest = rests[m % static_cast<std::size_t>(folds)];
+    rest.H -= motions[m].H;
+    rest.g -= motions[m].g;
+  }
+  return rests;
+}
+
+/// H with what keeps a parameter where it is that the other motions do not determine.
+Eigen::MatrixXd damped(const EffectFitProblem& problem, Eigen::MatrixXd H) {
+  for (Eigen::Index i = 0; i < H.rows(); ++i) {
+    const EffectParameter parameter =
+        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]);
+    H(i, i) += 1e-9 * H(i, i) + std::pow(parameter.upper - parameter.lower, -2);
+  }
+  return H;
+}
+
+/// Within the ranges of the parameters; where there is no number, as in the fit.
+Eigen::VectorXd clipped(const EffectFitProblem& problem, const EffectFit& fit,
+                        Eigen::VectorXd values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const EffectParameter parameter =
+        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]);
     values(i) = std::isfinite(values(i)) ? std::clamp(values(i), parameter.lower, parameter.upper)
                                          : fit.values(i);
   }
   return values;
+}
+
+/// Parameters of one fold: a step from those of all motions.
+Eigen::VectorXd withoutFold(const EffectFitProblem& problem, const EffectFit& fit,
+                            const NormalEquations& rest) {
+  return clipped(problem, fit, fit.values - damped(problem, rest.H).ldlt().solve(rest.g));
 }
 
 }  // namespace
@@ -43,15 +71,7 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
   if (problem.parameters.empty())
     return simulated ? residuals(*problem.recording, layout, problem.simulation, simulated)
                      : fit.residual;
-  const Eigen::VectorXd scales = channelScales(layout, fit.residual, problem.use);
-  const std::vector<NormalEquations> motions =
-      normalEquations(layout, fit.residual, fit.jacobian, scales);
-  const Eigen::Index p = fit.values.size();
-  NormalEquations all{Eigen::MatrixXd::Zero(p, p), Eigen::VectorXd::Zero(p)};
-  for (const NormalEquations& motion : motions) {
-    all.H += motion.H;
-    all.g += motion.g;
-  }
+  const std::vector<NormalEquations> rests = equationsWithoutFolds(problem, fit, folds);
   Eigen::VectorXd result = fit.residual;
   if (simulated) {
     const auto blocks = static_cast<Eigen::Index>(layout.blocks.size());
@@ -59,17 +79,14 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
     simulated->orientation.resize(4, blocks);
   }
   parallelFor(folds, [&](int fold) {
-    NormalEquations rest = all;
-    for (std::size_t m = static_cast<std::size_t>(fold); m < motions.size();
-         m += static_cast<std::size_t>(folds)) {
-      rest.H -= motions[m].H;
-      rest.g -= motions[m].g;
-    }
+    const NormalEquations& rest = rests[static_cast<std::size_t>(fold)];
+    std::vector<bool> use;
+    for (int m = 0; m < layout.motions; ++m) use.push_back(m % folds == fold);
     SimulatedSamples samples;
-    const Eigen::VectorXd there = residuals(*problem.recording, layout,
-                                            withValues(problem.simulation, problem.parameters,
-                                                       withoutFold(problem, fit, rest.H, rest.g)),
-                                            simulated ? &samples : nullptr);
+    const Eigen::VectorXd there = residuals(
+        *problem.recording, layout,
+        withValues(problem.simulation, problem.parameters, withoutFold(problem, fit, rest)),
+        simulated ? &samples : nullptr, use);
     for (std::size_t b = 0; b < layout.blocks.size(); ++b) {
       const ResidualBlock& block = layout.blocks[b];
       if (block.motion % folds != fold) continue;
@@ -82,6 +99,59 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
       result.segment(block.offset, size) = there.segment(block.offset, size);
     }
   });
+  return result;
+}
+
+LinearHeldOut::LinearHeldOut(const EffectFitProblem& problem, const EffectFit& fit, int folds)
+    : problem_(problem), fit_(fit), without_(equationsWithoutFolds(problem, fit, folds)) {}
+
+Eigen::VectorXd LinearHeldOut::step(const NormalEquations& equations,
+                                    const Dropped& dropped) const {
+  const Eigen::Index p = fit_.values.size();
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < p; ++i)
+    if (i < dropped.first || i >= dropped.first + dropped.count) free.push_back(i);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(p);
+  step.segment(dropped.first, dropped.amplitudes) =
+      -fit_.values.segment(dropped.first, dropped.amplitudes);
+  const Eigen::VectorXd g = equations.g + equations.H * step;
+  const Eigen::MatrixXd H = damped(problem_, equations.H);
+  step(free) -= Eigen::MatrixXd(H(free, free)).ldlt().solve(Eigen::VectorXd(g(free)));
+  return step;
+}
+
+Eigen::VectorXd LinearHeldOut::others(const Dropped& dropped) const {
+  NormalEquations all = without_.front();
+  for (std::size_t fold = 1; fold < without_.size(); ++fold) {
+    all.H += without_[fold].H;
+    all.g += without_[fold].g;
+  }
+  const double times = static_cast<double>(without_.size()) - 1.0;  // every motion is in it
+  all.H /= times;
+  all.g /= times;
+  const Eigen::VectorXd values = clipped(problem_, fit_, fit_.values + step(all, dropped));
+  const Eigen::Index after = values.size() - dropped.first - dropped.count;
+  Eigen::VectorXd others(dropped.first + after);
+  others << values.head(dropped.first), values.tail(after);
+  return others;
+}
+
+Eigen::VectorXd LinearHeldOut::residual(const Dropped& dropped) const {
+  Eigen::MatrixXd steps(fit_.values.size(), static_cast<Eigen::Index>(without_.size()));
+  for (std::size_t fold = 0; fold < without_.size(); ++fold)
+    steps.col(static_cast<Eigen::Index>(fold)) = step(without_[fold], dropped);
+  Eigen::VectorXd result = fit_.residual;
+  const auto folds = static_cast<int>(without_.size());
+  const std::vector<ResidualBlock>& blocks = problem_.layout->blocks;
+  for (std::size_t b = 0; b < blocks.size();) {  // the rows of a motion are neighbours
+    const int motion = blocks[b].motion;
+    const Eigen::Index begin = blocks[b].offset;
+    while (b < blocks.size() && blocks[b].motion == motion) ++b;
+    const Eigen::Index rows =
+        (b < blocks.size() ? blocks[b].offset : problem_.layout->size) - begin;
+    result.segment(begin, rows).noalias() +=
+        fit_.jacobian.middleRows(begin, rows) * steps.col(motion % folds);
+  }
   return result;
 }
 

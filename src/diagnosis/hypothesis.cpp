@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -27,6 +28,11 @@ constexpr Shape kShapes[] = {{"creep", "T", false, false},
                              {"registration_shift", "t0", true, false}};
 
 constexpr char kMotorSaturation[] = "motor_saturation";
+
+/// Effects whose joints may each err by too little to tell: see togetherHypotheses().
+constexpr const char* kOfEveryJoint[] = {"backlash",       "cable_stretch", "drive_friction",
+                                         "joint_coupling", "joint_gain",    "joint_offset",
+                                         "link_geometry"};
 
 /// Parameters that are no hypothesis of their own, see allHypotheses().
 bool isLeftOut(const std::string& effect, const std::string& symbol) {
@@ -92,15 +98,23 @@ void addHypothesesOf(const Effect& effect, const RecordingSummary& summary,
   all.push_back(whole);
 }
 
+const EffectParameter& parameterIn(const Effect& effect, const ParameterHandle& handle) {
+  return effect.parameters()[static_cast<std::size_t>(handle.index)];
+}
+
 /// How many symbols an effect has for one joint, without shapes.
 bool hasSeveralSymbols(const Hypothesis& hypothesis, const Effect& effect) {
-  const EffectParameter& mine =
-      effect.parameters()[static_cast<std::size_t>(hypothesis.parameters.front().index)];
+  const EffectParameter& mine = parameterIn(effect, hypothesis.parameters.front());
   for (const EffectParameter& other : effect.parameters())
     if (other.joint == mine.joint && other.symbol != mine.symbol &&
         !shapeOf(effect.name(), other.symbol))
       return true;
   return false;
+}
+
+/// Whether its parameters say how one joint is moved by others.
+bool isMoved(const Hypothesis& hypothesis, const Effect& effect) {
+  return parameterIn(effect, hypothesis.parameters.front()).source >= 0;
 }
 
 }  // namespace
@@ -114,14 +128,80 @@ std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& 
   if (hypothesis.joints.empty()) return label;
   const std::unique_ptr<Effect> effect = makeEffect(hypothesis.effect, robot);
   if (hasSeveralSymbols(hypothesis, *effect))
-    label +=
-        " " +
-        effect->parameters()[static_cast<std::size_t>(hypothesis.parameters.front().index)].symbol;
+    label += " " + parameterIn(*effect, hypothesis.parameters.front()).symbol;
   const std::vector<std::string> names = robot.jointNames();
-  label += " of " + names[static_cast<std::size_t>(hypothesis.joints[0])];
-  if (hypothesis.joints.size() > 1)
-    label += " by " + names[static_cast<std::size_t>(hypothesis.joints[1])];
+  const bool moved = isMoved(hypothesis, *effect);
+  for (std::size_t i = 0; i < hypothesis.joints.size(); ++i) {
+    const char* const before = i == 0 ? " of " : moved && i == 1 ? " by " : ", ";
+    label += before + names[static_cast<std::size_t>(hypothesis.joints[i])];
+  }
   return label;
+}
+
+std::vector<Hypothesis> togetherHypotheses(const std::vector<Hypothesis>& single,
+                                           const KinematicChain& robot) {
+  std::map<std::string, std::vector<ParameterHandle>> groups;
+  for (const Hypothesis& one : single) {
+    const auto is_of_every_joint = [&](const char* effect) { return one.effect == effect; };
+    if (one.shapes > 0 || one.joints.empty() ||
+        std::none_of(std::begin(kOfEveryJoint), std::end(kOfEveryJoint), is_of_every_joint))
+      continue;
+    const std::unique_ptr<Effect> effect = makeEffect(one.effect, robot);
+    std::string key = one.effect;
+    key += " " + parameterIn(*effect, one.parameters.front()).symbol;
+    std::vector<std::string> keys{key};
+    if (isMoved(one, *effect)) keys.push_back(key + " " + std::to_string(one.joints.front()));
+    for (const std::string& of : keys)
+      groups[of].insert(groups[of].end(), one.parameters.begin(), one.parameters.end());
+  }
+  std::vector<Hypothesis> together;
+  for (auto& [key, parameters] : groups)
+    if (parameters.size() > 1) together.push_back(hypothesisOf(std::move(parameters), robot));
+  return together;
+}
+
+Hypothesis hypothesisOf(std::vector<ParameterHandle> parameters, const KinematicChain& robot) {
+  Hypothesis hypothesis;
+  hypothesis.effect = parameters.front().effect;
+  hypothesis.parameters = std::move(parameters);
+  const std::unique_ptr<Effect> effect = makeEffect(hypothesis.effect, robot);
+  const bool moved = isMoved(hypothesis, *effect);
+  if (moved && partsOf(hypothesis, robot).size() > 1) return hypothesis;
+  for (const ParameterHandle& handle : hypothesis.parameters) {
+    const EffectParameter& parameter = parameterIn(*effect, handle);
+    if (moved && hypothesis.joints.empty()) hypothesis.joints.push_back(parameter.joint);
+    hypothesis.joints.push_back(moved ? parameter.source : parameter.joint);
+  }
+  return hypothesis;
+}
+
+std::vector<std::vector<ParameterHandle>> partsOf(const Hypothesis& hypothesis,
+                                                  const KinematicChain& robot) {
+  const std::unique_ptr<Effect> effect = makeEffect(hypothesis.effect, robot);
+  if (!isMoved(hypothesis, *effect)) return {hypothesis.parameters};
+  std::vector<std::vector<ParameterHandle>> parts;
+  int joint = -1;
+  for (const ParameterHandle& handle : hypothesis.parameters) {
+    const EffectParameter& parameter = parameterIn(*effect, handle);
+    if (parts.empty() || parameter.joint != joint) parts.emplace_back();
+    joint = parameter.joint;
+    parts.back().push_back(handle);
+  }
+  return parts;
+}
+
+std::vector<std::string> parameterNames(const Hypothesis& hypothesis, const KinematicChain& robot) {
+  const std::unique_ptr<Effect> effect = makeEffect(hypothesis.effect, robot);
+  std::map<std::string, int> count;
+  for (const ParameterHandle& handle : hypothesis.parameters)
+    ++count[parameterIn(*effect, handle).symbol];
+  std::vector<std::string> names;
+  for (const ParameterHandle& handle : hypothesis.parameters) {
+    const EffectParameter& parameter = parameterIn(*effect, handle);
+    names.push_back(count[parameter.symbol] == 1 ? parameter.symbol
+                                                 : parameterLabel(parameter, robot));
+  }
+  return names;
 }
 
 std::vector<Hypothesis> allHypotheses(const Recording& recording,

@@ -7,18 +7,15 @@
 
 #include "raven_correction/geometry/rotation.h"
 #include "raven_correction/geometry/statistics.h"
+#include "raven_correction/simulation/effect_registry.h"
 #include "raven_correction/simulation/simulated_arm.h"
+#include "timeline.h"
 
 namespace raven_correction {
 namespace {
 
 using Kind = Recording::Observation::Kind;
 
-constexpr double kLongestStep = 0.1;  // every operator is exact for held set-points [s]
-constexpr double kPause = 0.2;  // between motions; shorter: one goes on where the other ends [s]
-// A command of the very stamp of an observation has been carried out: recordings that go from stop
-// to stop have one stamp for both [s].
-constexpr double kAfter = 1e-6;
 constexpr double kSmallestLength = 1e-6;  // below it nothing is measured [m]
 constexpr double kSmallestAngle = 1e-5;   // [rad]
 constexpr double kHuberThreshold = 3.0;   // in standard deviations of the components [-]
@@ -37,51 +34,24 @@ JointVector jointDifference(const KinematicChain& robot, const JointVector& a,
   return difference;
 }
 
-/// Feeds the arm the set-points of one motion after the other.
-class Replay {
- public:
-  explicit Replay(const SimulationConfig& simulation) : arm_(simulation) {}
+Eigen::Matrix<double, 6, 1> poseResidual(const Pose& measured, const Pose& simulated) {
+  Eigen::Matrix<double, 6, 1> residual;
+  residual << measured.p - simulated.p, logRotation(simulated.q.conjugate() * measured.q);
+  return residual;
+}
 
-  void begin(const Recording::Motion& motion) {
-    motion_ = &motion;
-    next_ = 0;
-    const Recording::Setpoint& first = motion.setpoints.front();
-    const double start = std::min(first.stamp, motion.observations.front().stamp);
-    if (fresh_ || start < arm_.time()) {
-      arm_.reset(start, first.joints);
-      fresh_ = false;
-    } else if (first.stamp - arm_.state().last_stamp > kPause) {
-      arm_.command(std::max(arm_.time(), arm_.state().last_stamp), first.joints);
-    }
-  }
-  /// The arm at this instant of the motion.
-  const SimulatedArm& at(double stamp) {
-    // One set-point beyond the instant, because linear set-points look ahead.
-    while (next_ < motion_->setpoints.size() &&
-           (next_ == 0 || motion_->setpoints[next_ - 1].stamp <= stamp))
-      take();
-    arm_.advanceTo(stamp + kAfter);
-    return arm_;
-  }
-  void end() {
-    while (next_ < motion_->setpoints.size()) take();
-  }
-
- private:
-  void take() {
-    const Recording::Setpoint& setpoint = motion_->setpoints[next_++];
-    arm_.command(setpoint.stamp, setpoint.joints);
-  }
-  SimulatedArm arm_;
-  const Recording::Motion* motion_ = nullptr;
-  std::size_t next_ = 0;
-  bool fresh_ = true;
-};
+/// What the joints do: all at once where no load depends on them.
+JointHistory historyOf(const Recording& recording, const ResidualLayout& layout,
+                       const SimulationConfig& simulation) {
+  if (needsLoad(simulation)) return steppedJointHistory(recording, simulation);
+  return jointHistory(*layout.timelines->of(recording, simulation), simulation);
+}
 
 }  // namespace
 
 ResidualLayout residualLayout(const Recording& recording) {
   ResidualLayout layout;
+  layout.timelines = std::make_shared<TimelineCache>();
   layout.motions = static_cast<int>(recording.motions.size());
   const auto addJointChannels = [&](const std::string& prefix, bool encoder) {
     for (int j = 0; j < recording.robot.size(); ++j)
@@ -117,42 +87,87 @@ Eigen::Quaterniond SimulatedSamples::tool(std::size_t block) const {
 }
 
 Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layout,
-                          const SimulationConfig& simulation, SimulatedSamples* simulated) {
-  SimulationConfig config = simulation;
-  config.step = kLongestStep;
-  Eigen::VectorXd residual(layout.size);
+                          const SimulationConfig& simulation, SimulatedSamples* simulated,
+                          const std::vector<bool>& use) {
+  Eigen::VectorXd residual = Eigen::VectorXd::Zero(layout.size);
   if (simulated) {
     const auto count = static_cast<Eigen::Index>(layout.blocks.size());
-    simulated->joints.resize(recording.robot.size(), count);
+    simulated->joints.setZero(recording.robot.size(), count);
+    simulated->since_start.setZero(count);
     simulated->orientation.setZero(4, count);
   }
-  Replay replay(config);
-  Eigen::Index at = 0, block = 0;
-  for (const Recording::Motion& motion : recording.motions) {
-    replay.begin(motion);
+  const JointHistory history = historyOf(recording, layout, simulation);
+  const SimulatedArm arm(simulation);  // where it has its tool
+  Eigen::Index at = 0, block = 0, sample = 0;
+  for (std::size_t m = 0; m < recording.motions.size(); ++m) {
+    const Recording::Motion& motion = recording.motions[m];
+    if (!isUsed(use, static_cast<int>(m))) {
+      for (const Recording::Observation& observation : motion.observations) {
+        const bool pose = observation.kind == Kind::kPose;
+        at += pose ? 6 : recording.robot.size();
+        block += pose ? 2 : recording.robot.size();
+        ++sample;
+      }
+      continue;
+    }
     for (const Recording::Observation& observation : motion.observations) {
-      const SimulatedArm& arm = replay.at(observation.stamp);
+      const double since_start = history.since_start(sample);
+      const JointVector joint = history.joint.col(sample);
       const Eigen::Index blocks =
           observation.kind == Kind::kPose ? 2 : static_cast<Eigen::Index>(recording.robot.size());
       if (observation.kind == Kind::kPose) {
-        const Pose tool = arm.toolPose();
-        residual.segment<3>(at) = observation.pose.p - tool.p;
-        residual.segment<3>(at + 3) = logRotation(tool.q.conjugate() * observation.pose.q);
+        const Pose tool = arm.toolPoseAt(since_start, joint);
+        residual.segment<6>(at) = poseResidual(observation.pose, tool);
         if (simulated) simulated->orientation.middleCols(block, blocks).colwise() = tool.q.coeffs();
         at += 6;
       } else {
-        const JointVector& there =
-            observation.kind == Kind::kEncoders ? arm.motorJoints() : arm.joints();
+        const JointVector there =
+            observation.kind == Kind::kEncoders ? JointVector(history.motor.col(sample)) : joint;
         residual.segment(at, blocks) = jointDifference(recording.robot, observation.joints, there);
         at += blocks;
       }
-      if (simulated)
-        simulated->joints.middleCols(block, blocks).colwise() = Eigen::VectorXd(arm.joints());
+      if (simulated) {
+        simulated->joints.middleCols(block, blocks).colwise() = Eigen::VectorXd(joint);
+        simulated->since_start.segment(block, blocks).setConstant(since_start);
+      }
       block += blocks;
+      ++sample;
     }
-    replay.end();
   }
   return residual;
+}
+
+bool needsLoad(const SimulationConfig& simulation) {
+  return std::any_of(simulation.effects.begin(), simulation.effects.end(),
+                     [](const auto& effect) { return effect->needsLoad(); });
+}
+
+bool leavesJointsAlone(const SimulationConfig& simulation, const std::string& effect) {
+  const EffectStage stage = makeEffect(effect, simulation.robot)->stage();
+  // The load of the joints depends on the links.
+  return stage == EffectStage::kObservation ||
+         (stage == EffectStage::kKinematics && !needsLoad(simulation));
+}
+
+Eigen::VectorXd residualsOfJoints(const Recording& recording, const SimulationConfig& simulation,
+                                  const SimulatedSamples& simulated,
+                                  const Eigen::VectorXd& residual) {
+  Eigen::VectorXd result = residual;
+  const SimulatedArm arm(simulation);
+  Eigen::Index at = 0, block = 0;
+  for (const Recording::Motion& motion : recording.motions)
+    for (const Recording::Observation& observation : motion.observations) {
+      if (observation.kind == Kind::kPose) {
+        const Pose tool = arm.toolPoseAt(simulated.since_start(block), simulated.joints.col(block));
+        result.segment<6>(at) = poseResidual(observation.pose, tool);
+        at += 6;
+        block += 2;
+      } else {
+        at += recording.robot.size();
+        block += recording.robot.size();
+      }
+    }
+  return result;
 }
 
 Eigen::VectorXd channelScales(const ResidualLayout& layout, const Eigen::VectorXd& residual,

@@ -157,13 +157,18 @@ Screening screen(const EffectFitProblem& problem, const EffectFit& fit,
       }
     }
   }
+  SimulatedSamples simulated;
+  residuals(*problem.recording, *problem.layout, here, &simulated);
   parallelFor(static_cast<int>(trials.size()), [&](int index) {
     const auto t = static_cast<std::size_t>(index);
     Trial& trial = trials[t];
-    const SimulationConfig with =
-        withValues(here, hypotheses[trial.hypothesis].parameters,
-                   clipped(problem, hypotheses[trial.hypothesis].parameters, trial.values));
-    trial.change = residuals(*problem.recording, *problem.layout, with) - fit.residual;
+    const Hypothesis& hypothesis = hypotheses[trial.hypothesis];
+    const SimulationConfig with = withValues(here, hypothesis.parameters,
+                                             clipped(problem, hypothesis.parameters, trial.values));
+    trial.change = (leavesJointsAlone(here, hypothesis.effect)
+                        ? residualsOfJoints(*problem.recording, with, simulated, fit.residual)
+                        : residuals(*problem.recording, *problem.layout, with)) -
+                   fit.residual;
   });
 
   const LinearModel model(problem, fit);

@@ -13,25 +13,27 @@
 namespace raven_correction {
 namespace {
 
-constexpr int kFinalistIterations = 8;
+constexpr int kFinalistIterations = 5;
 constexpr double kFinalistTolerance = 1e-4;
 constexpr int kRefitIterations = 4;  // of a round: the next one goes on from there
 constexpr double kRefitTolerance = 1e-5;
 constexpr int kLastIterations = 25;
 constexpr double kLastTolerance = 1e-6;
-constexpr int kDropIterations = 4;  // with derivatives of their own, from where frozen ones ended
-constexpr int kRoundsOfAll = 4;     // every so many rounds all hypotheses are screened
+constexpr int kDropIterations = 3;
+constexpr int kRoundsOfAll = 4;         // every so many rounds all hypotheses are screened
 constexpr std::size_t kPromising = 40;  // and so many of them in the rounds between
 constexpr double kSameScales = 0.02;    // change of a channel's scale that needs no second fit [-]
 constexpr double kSafe = 4.0;           // times the least share: it will not have to go [-]
 constexpr double kTie = 2.0;            // z below which two explanations cannot be told apart
 constexpr double kTieShare = 0.9;  // and the lesser one explains at least this part of the better
 constexpr std::size_t kMostEquals = 3;
+constexpr double kDoubtful = 2.0;  // deviations from nothing of a parameter that leaves its group
 
 /// A cause in the fit: its free parameters are `count` of the fit's, from `first`.
 struct Member {
   Hypothesis hypothesis;
   Eigen::Index first = 0, count = 0;
+  bool together = false;  // of togetherHypotheses()
   std::vector<Hypothesis> equals;
   bool has_runner_up = false;
   Hypothesis runner_up;
@@ -39,10 +41,10 @@ struct Member {
   double share = 0.0;  // when it was last dropped
 };
 
-/// How far the others are fitted again when a cause is dropped. kRound: as far as finalists are,
-/// with derivatives of before; it finds most of what does not earn its place. kLast: as far as the
-/// fit with all of them, so that the cause is judged by what it adds and not by the effort.
-enum class Effort { kRound, kLast };
+/// How far the others are fitted again when a cause is dropped. kLinear: by their derivatives
+/// alone, which finds most of what does not earn its place. kLast: as far as the fit with all of
+/// them, so that the cause is judged by what it adds and not by the effort.
+enum class Effort { kLinear, kLast };
 
 /// A hypothesis after its fit.
 struct Finalist {
@@ -100,7 +102,8 @@ class Selector {
   SelectionResult run() {
     int round = 0;
     while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
-    removeWeak(Effort::kRound);
+    removeWeak(Effort::kLinear);
+    if (!members_.empty()) trimGroups();
     if (!members_.empty()) {  // nothing is added any more: to the end
       problem_.max_iterations = kLastIterations;
       problem_.tolerance = kLastTolerance;
@@ -218,13 +221,16 @@ class Selector {
   /// Fits the best of the open hypotheses. What explains next to nothing does so in the next round,
   /// too, so not every round has to look at all.
   std::vector<Finalist> tryHypotheses(int round, bool all) {
-    const std::vector<Hypothesis> open = openHypotheses(all);
+    return tryHypotheses(round, all, openHypotheses(all));
+  }
+
+  std::vector<Finalist> tryHypotheses(int round, bool all, const std::vector<Hypothesis>& open) {
     say(format("round %d: trying %zu hypotheses", round + 1, open.size()),
         std::min(0.85, 0.1 + 0.08 * round));
     const Screening screening = screen(problem_, fit_, open, summary_);
     if (members_.empty() && all) {
-      result_.starts = screening.starts;
-      rule_.setTried(screening.starts, options_.significance);
+      result_.starts = screening.starts + togetherHypotheses(hypotheses_, recording_.robot).size();
+      rule_.setTried(result_.starts, options_.significance);
     }
     if (all) {
       promising_.clear();
@@ -236,12 +242,19 @@ class Selector {
 
   bool add(int round) {
     Member member;
+    rule_.setClaims(members_.size() + 1);
     bool all = round % kRoundsOfAll == 0;
     std::vector<Finalist> finalists = tryHypotheses(round, all);
     const Finalist* choice = choose(finalists, member);
     if (!choice && !all) {
       finalists = tryHypotheses(round, true);
       choice = choose(finalists, member);
+    }
+    if (!choice && !members_.empty()) {  // what is too weak alone may not be together
+      finalists =
+          tryHypotheses(round, false, togetherHypotheses(openHypotheses(true), recording_.robot));
+      choice = choose(finalists, member);
+      member.together = true;
     }
     if (!choice) return false;
     const Finalist& chosen = *choice;
@@ -252,9 +265,26 @@ class Selector {
     from.start.head(free) = chosen.fit.values.tail(free);
     problem_ = with(from);
     member.count = free;
-    members_.push_back(std::move(member));
+    addMembers(std::move(member));
     refit();
     return true;
+  }
+
+  /// Couplings into several joints are a cause for each of these, to be judged on its own.
+  void addMembers(Member member) {
+    if (!member.together) {
+      members_.push_back(std::move(member));
+      return;
+    }
+    Eigen::Index first = member.first;
+    const Hypothesis whole = member.hypothesis;
+    for (std::vector<ParameterHandle>& part : partsOf(whole, recording_.robot)) {
+      member.first = first;
+      member.count = static_cast<Eigen::Index>(part.size());
+      member.hypothesis = hypothesisOf(std::move(part), recording_.robot);
+      first += member.count;
+      members_.push_back(member);
+    }
   }
 
   void refit() {
@@ -284,38 +314,61 @@ class Selector {
     return problem;
   }
 
-  /// Held-out residual when one cause is dropped and the others are refitted.
-  Eigen::VectorXd drop(const Member& member, Effort effort) const {
+  /// Held-out residual when one cause is dropped and the others are refitted, from where their
+  /// derivatives lead or from where they are.
+  Eigen::VectorXd drop(const Member& member, const LinearHeldOut& linear) const {
     EffectFitProblem problem = without(member);
     if (problem.parameters.empty()) return residuals(recording_, layout_, problem.simulation);
-    problem.max_iterations = kFinalistIterations;
-    problem.tolerance = kFinalistTolerance;
+    const auto at = [&](const Eigen::VectorXd& start) {
+      return residuals(recording_, layout_,
+                       withValues(problem.simulation, problem.parameters, start));
+    };
+    Eigen::VectorXd residual = at(problem.start);
+    const Eigen::VectorXd led = linear.others(droppedOf(member));
+    const Eigen::VectorXd led_residual = at(led);
+    if (rule_.compare(residual, led_residual).share > 0.0) {
+      problem.start = led;
+      residual = led_residual;
+    }
+    problem.max_iterations = kDropIterations;
+    problem.tolerance = kLastTolerance;
+    problem.frozen.resize(0, 0);
     EffectFit fit;
-    fit.residual = residuals(recording_, layout_,
-                             withValues(problem.simulation, problem.parameters, problem.start));
     for (int pass = 0; pass < 2; ++pass) {  // the scale shrinks as the others make up for it
-      const Eigen::VectorXd scales = channelScales(layout_, fit.residual);
+      const Eigen::VectorXd scales = channelScales(layout_, residual);
       if (pass > 0 && scales.isApprox(problem.scales, kSameScales)) break;
       problem.scales = scales;
       fit = fitEffects(problem);
       problem.start = fit.values;
-    }
-    if (effort == Effort::kLast) {
-      problem.max_iterations = kDropIterations;
-      problem.tolerance = kLastTolerance;
-      problem.scales = channelScales(layout_, fit.residual);
-      problem.frozen.resize(0, 0);
-      fit = fitEffects(problem);
+      residual = fit.residual;
     }
     return heldOutResiduals(problem, fit, options_.folds);
+  }
+
+  static LinearHeldOut::Dropped droppedOf(const Member& member) {
+    const auto shapes =
+        static_cast<Eigen::Index>(member.hypothesis.shapes - member.hypothesis.fixed_shapes);
+    return {member.first, member.count - shapes, member.count};
+  }
+
+  /// A limit of nothing is none, which no derivative knows.
+  bool isLinear(const Member& member) const {
+    const ParameterHandle& first = member.hypothesis.parameters.front();
+    return !isLimit(first.effect, parameterOf(problem_.simulation, first).symbol);
   }
 
   /// Drops each of these causes on its own.
   void dropEach(const std::vector<std::size_t>& members, Effort effort) {
     dropped_.resize(members_.size());
+    kept_ = held_out_;
+    const LinearHeldOut linear(problem_, fit_, options_.folds);
+    if (effort == Effort::kLinear) kept_ = linear.residual();
     parallelFor(static_cast<int>(members.size()), [&](int index) {
       const std::size_t i = members[static_cast<std::size_t>(index)];
-      dropped_[i] = drop(members_[i], effort);
+      const Member& member = members_[i];
+      dropped_[i] = effort == Effort::kLinear && isLinear(member)
+                        ? linear.residual(droppedOf(member))
+                        : drop(member, linear);
     });
   }
 
@@ -324,8 +377,8 @@ class Selector {
     std::size_t weakest = members_.size();
     double least = 0.0;
     for (const std::size_t i : members) {
-      const LossComparison comparison = rule_.compare(dropped_[i], held_out_);
-      if (rule_.earns(dropped_[i], held_out_) ||
+      const LossComparison comparison = rule_.compare(dropped_[i], kept_);
+      if (rule_.earns(dropped_[i], kept_) ||
           (weakest < members_.size() && comparison.share >= least))
         continue;
       weakest = i;
@@ -345,14 +398,15 @@ class Selector {
   /// Removes causes that do not earn their place, the weakest first; in the end each of those that
   /// stay has been dropped beside all the others.
   void removeWeak(Effort effort) {
-    for (bool all = true; !members_.empty();) {
+    // By derivatives all are dropped at once; else first those that did not explain much then.
+    for (bool all = effort == Effort::kLinear; !members_.empty();) {
       const std::vector<std::size_t> tried = membersToDrop(all);
       say(format("removing what no longer earns its place: %zu of %zu causes dropped in turn",
                  tried.size(), members_.size()),
-          effort == Effort::kRound ? 0.88 : 0.93);
+          effort == Effort::kLinear ? 0.88 : 0.93);
       dropEach(tried, effort);
-      for (const std::size_t i : tried)
-        members_[i].share = rule_.compare(dropped_[i], held_out_).share;
+      rule_.setClaims(members_.size());
+      for (const std::size_t i : tried) members_[i].share = rule_.compare(dropped_[i], kept_).share;
       const std::size_t weakest = weakestOf(tried);
       if (weakest < members_.size()) {
         remove(weakest);
@@ -381,6 +435,38 @@ class Selector {
     } else {
       refit();
     }
+  }
+
+  /// Takes those parameters out of groups whose values may as well be nothing. Fits nothing.
+  void trimGroups() {
+    std::vector<ParameterHandle> parameters, gone;
+    std::vector<double> start;
+    for (Member& member : members_) {
+      std::vector<ParameterHandle> kept, doubtful;
+      std::vector<double> values;
+      for (Eigen::Index i = member.first; i < member.first + member.count; ++i) {
+        const bool doubt = std::abs(fit_.values(i)) < kDoubtful * std::sqrt(fit_.covariance(i, i));
+        const bool leaves = member.together && doubt;
+        (leaves ? doubtful : kept).push_back(problem_.parameters[static_cast<std::size_t>(i)]);
+        if (!leaves) values.push_back(fit_.values(i));
+      }
+      if (kept.empty()) {  // whether it goes as a whole is for removeWeak() to say
+        kept.swap(doubtful);
+        const auto all = fit_.values.segment(member.first, member.count);
+        values.assign(all.begin(), all.end());
+      }
+      if (member.together) member.hypothesis = hypothesisOf(kept, recording_.robot);
+      member.first = static_cast<Eigen::Index>(parameters.size());
+      member.count = static_cast<Eigen::Index>(kept.size());
+      parameters.insert(parameters.end(), kept.begin(), kept.end());
+      start.insert(start.end(), values.begin(), values.end());
+      gone.insert(gone.end(), doubtful.begin(), doubtful.end());
+    }
+    problem_.simulation = withValues(problem_.simulation, gone,
+                                     Eigen::VectorXd::Zero(static_cast<Eigen::Index>(gone.size())));
+    problem_.parameters = std::move(parameters);
+    problem_.start =
+        Eigen::Map<Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size()));
   }
 
   Cause describe(const Member& member, const Eigen::VectorXd& dropped) const {
@@ -450,6 +536,7 @@ class Selector {
   Eigen::VectorXd held_out_;  // residual
   std::vector<Member> members_;
   std::vector<Eigen::VectorXd> dropped_;  // see dropEach()
+  Eigen::VectorXd kept_;                  // held-out residual to compare them with
   SelectionResult result_;
 };
 

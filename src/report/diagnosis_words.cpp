@@ -8,11 +8,12 @@ namespace raven_correction {
 
 std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Cause& cause) {
   std::vector<NamedParameter> named;
+  const std::vector<std::string> names = parameterNames(cause.hypothesis, verdict.simulation.robot);
   for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i) {
     const EffectParameter parameter =
         parameterOf(verdict.simulation, cause.hypothesis.parameters[i]);
     const auto k = static_cast<Eigen::Index>(i);
-    named.push_back({parameter.symbol, parameter.unit, cause.values(k), cause.deviations(k)});
+    named.push_back({names[i], parameter.unit, cause.values(k), cause.deviations(k)});
   }
   return named;
 }

@@ -10,8 +10,7 @@
 
 namespace raven_correction {
 
-/// Parameters of a cause with what a person calls them: the symbol alone, as the cause names the
-/// joints.
+/// Parameters of a cause with what a person calls them: parameterNames().
 struct NamedParameter {
   std::string symbol, unit;
   double value, deviation;

@@ -54,11 +54,12 @@ DiagnosisCause causeToMsg(const Verdict& verdict, std::size_t index) {
   msg.effect = cause.hypothesis.effect;
   for (const int joint : cause.hypothesis.joints)
     msg.joints.push_back(verdict.joints[static_cast<std::size_t>(joint)]);
+  const std::vector<std::string> names = parameterNames(cause.hypothesis, robot);
   for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i) {
     const EffectParameter parameter =
         parameterOf(verdict.simulation, cause.hypothesis.parameters[i]);
     DiagnosisParameter entry;
-    entry.name = parameter.symbol;
+    entry.name = names[i];
     entry.value = cause.values(static_cast<Eigen::Index>(i));
     entry.deviation = cause.deviations(static_cast<Eigen::Index>(i));
     entry.unit = parameter.unit;

@@ -37,9 +37,12 @@ class JointCoupling final : public Effect {
              JointVector& q) const noexcept override {
     const JointVector away = q - context.home;
     int index = 0;
-    for (int i = 0; i < size_; ++i)
+    for (int i = 0; i < size_; ++i) {
+      double moved = 0.0;
       for (int j = 0; j < size_; ++j)
-        if (i != j) q(i) += value(index++) * away(j);
+        if (i != j) moved += value(index++) * away(j);
+      q(i) += moved;
+    }
   }
 
  private:

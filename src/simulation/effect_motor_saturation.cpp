@@ -88,6 +88,7 @@ class MotorSaturation final : public Effect {
     return std::make_unique<MotorSaturation>(*this);
   }
 
+  bool remembers() const noexcept override { return true; }
   void apply(const StepContext& context, JointVector& memory,
              JointVector& q) const noexcept override {
     for (int j = 0; j < size_; ++j) {

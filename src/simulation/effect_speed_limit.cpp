@@ -19,6 +19,7 @@ class SpeedLimit final : public Effect {
   const char* equation() const noexcept override { return "|dq/dt| <= v"; }
   std::unique_ptr<Effect> clone() const override { return std::make_unique<SpeedLimit>(*this); }
 
+  bool remembers() const noexcept override { return true; }
   void apply(const StepContext& context, JointVector& memory,
              JointVector& q) const noexcept override {
     for (int j = 0; j < static_cast<int>(q.size()); ++j) {

@@ -15,6 +15,7 @@ class PlayEffect : public Effect {
   }
   const char* equation() const noexcept override { return "q = play(u, w / 2)"; }
 
+  bool remembers() const noexcept override { return true; }
   void apply(const StepContext& /*context*/, JointVector& memory,
              JointVector& q) const noexcept override {
     for (int j = 0; j < static_cast<int>(q.size()); ++j)

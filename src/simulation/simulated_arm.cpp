@@ -174,11 +174,11 @@ JointVector SimulatedArm::encoderJoints() const noexcept {
   return config_.coupling.quantised(config_.robot, state_.motor, state_.gripper.opening);
 }
 
-Pose SimulatedArm::toolPose() const noexcept {
-  Pose X = X_base_robot_ * real_chain_.forward(state_.joint) * X_tool_observed_;
+Pose SimulatedArm::toolPoseAt(double since_start, const JointVector& joints) const noexcept {
+  Pose X = X_base_robot_ * real_chain_.forward(joints) * X_tool_observed_;
   for (const auto& effect : config_.effects)
     if (effect->stage() == EffectStage::kObservation)
-      X = effect->observe(state_.time - state_.start, X);
+      X = effect->observe(since_start, X);
   return X;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "diagnosis/fixtures.h"
 #include "diagnosis/judge.h"
@@ -12,6 +13,7 @@
 #include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/error.h"
 #include "raven_correction/report/diagnosis_report.h"
+#include "raven_correction/simulation/effect_registry.h"
 #include "raven_correction/simulation/session.h"
 
 namespace raven_correction {
@@ -177,6 +179,82 @@ TEST(NoiseFloor, DoesNotDependOnHowManySamplesAreUsed) {
   const Eigen::VectorXd right = noiseFloor(all, with("command_delay", 0, 0.1));
   EXPECT_NEAR(floor(0), right(0), 0.1 * right(0));
   EXPECT_NEAR(floor(1), right(1), 0.1 * right(1));
+}
+
+// What only moves the tool or what is seen of it needs no second run of the joints.
+TEST(Residual, OfTheSameJointsIsThatOfTheWholeSimulation) {
+  const Recording recording =
+      makeRecording(simulateSession(with("backlash", 1, 0.02), 10, 5), nominal().robot, {});
+  const ResidualLayout layout = residualLayout(recording);
+  const SimulationConfig here = with("joint_coupling", 3, 0.1);
+  SimulatedSamples simulated;
+  const Eigen::VectorXd residual = residuals(recording, layout, here, &simulated);
+  std::set<std::string> alone;
+  for (const Hypothesis& hypothesis : allHypotheses(recording, nominal())) {
+    if (!leavesJointsAlone(here, hypothesis.effect)) continue;
+    alone.insert(hypothesis.effect);
+    Eigen::VectorXd values(static_cast<Eigen::Index>(hypothesis.parameters.size()));
+    for (Eigen::Index i = 0; i < values.size(); ++i)
+      values(i) = 0.1 * parameterOf(here, hypothesis.parameters[static_cast<std::size_t>(i)]).upper;
+    const SimulationConfig there = withValues(here, hypothesis.parameters, values);
+    const Eigen::VectorXd whole = residuals(recording, layout, there);
+    if (hypothesis.parameters.size() == 6) {  // angles of links only show where joints follow
+      EXPECT_GT((whole - residual).norm(), 1e-6) << hypothesis.effect;
+    }
+    EXPECT_EQ(residualsOfJoints(recording, there, simulated, residual), whole) << hypothesis.effect;
+  }
+  EXPECT_EQ(alone, (std::set<std::string>{"base_registration", "link_geometry", "mocap_scale",
+                                          "registration_shift", "tool_offset"}));
+  // The load of stretching cables depends on the links.
+  const SimulationConfig loaded = with("cable_stretch", 0, 1e-3);
+  EXPECT_FALSE(leavesJointsAlone(loaded, "link_geometry"));
+  EXPECT_TRUE(leavesJointsAlone(loaded, "mocap_scale"));
+}
+
+// Running every effect through the whole recording is what running the arm step by step is; a load
+// without any effect takes the second way.
+TEST(Residual, EffectByEffectIsThatOfTheArmStepByStep) {
+  const Recording recording =
+      makeRecording(simulateSession(with("backlash", 1, 0.02), 10, 5), nominal().robot, {});
+  const ResidualLayout layout = residualLayout(recording);
+  std::set<std::string> effects;
+  const SimulationConfig here =
+      withValues(nominal(), {{"backlash", 2}, {"joint_coupling", 3}, {"tracking_lag", 1}},
+                 Eigen::Vector3d(1e-3, 0.1, 0.02));
+  for (const Hypothesis& hypothesis : allHypotheses(recording, nominal())) {
+    if (hypothesis.effect == "cable_stretch") continue;
+    effects.insert(hypothesis.effect);
+    Eigen::VectorXd values(static_cast<Eigen::Index>(hypothesis.parameters.size()));
+    for (Eigen::Index i = 0; i < values.size(); ++i)
+      values(i) = 0.1 * parameterOf(here, hypothesis.parameters[static_cast<std::size_t>(i)]).upper;
+    for (const SetpointMode mode : {SetpointMode::kHold, SetpointMode::kLinear}) {
+      SimulationConfig there = withValues(here, hypothesis.parameters, values);
+      there.setpoints = mode;
+      const SimulationConfig loaded =
+          withValues(there, {{"cable_stretch", 0}}, Eigen::VectorXd::Constant(1, 1e-300));
+      EXPECT_EQ(residuals(recording, layout, there), residuals(recording, layout, loaded))
+          << hypothesis.effect;
+    }
+  }
+  EXPECT_GE(effects.size(), 14u);
+}
+
+// An effect that remembers and does not say so would be run where it is seen only.
+TEST(Effects, SayWhetherTheyRemember) {
+  const KinematicChain& robot = nominal().robot;
+  const JointVector away = robot.home() + JointVector::Constant(robot.size(), 0.05);
+  const JointVector no_load = JointVector::Zero(robot.size());
+  const JointMatrix travel = nominal().coupling.motorTravel(robot);
+  const StepContext context{1.0, 0.01, robot.home(), no_load, &travel};
+  for (const std::string& name : effectNames()) {
+    const std::unique_ptr<Effect> effect = makeEffect(name, robot);
+    for (int i = 0; i < static_cast<int>(effect->parameters().size()); ++i)
+      effect->setValue(i, 0.3 * effect->parameters()[static_cast<std::size_t>(i)].upper);
+    JointVector one = away, other = away, near = away, far = robot.home();
+    effect->apply(context, near, one);
+    effect->apply(context, far, other);
+    EXPECT_EQ(effect->remembers(), one != other) << name;
+  }
 }
 
 TEST(Dependence, SaysOnWhat) {

@@ -91,6 +91,75 @@ TEST(ClaimRule, TheThresholdBecomesTheNormalQuantile) {
   EXPECT_FALSE(std::isfinite(typicalThreshold(1e-4, 1)));
 }
 
+// The gain of every motion is drawn around the same mean, as beyond chance as one wants it.
+Eigen::VectorXd improved(const ResidualLayout& layout, const Eigen::VectorXd& before, double z) {
+  constexpr double kGain = 0.1;
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> normal;
+  const double root = std::sqrt(static_cast<double>(layout.motions));
+  Eigen::VectorXd kept(layout.motions);
+  for (double& share : kept) share = 1.0 - kGain * (1.0 + root / z * normal(engine));
+  Eigen::VectorXd after = before;
+  for (const ResidualBlock& block : layout.blocks)
+    after.segment(block.offset, layout.sizeOf(block)) *=
+        std::sqrt(std::max(0.0, kept(block.motion)));
+  return after;
+}
+
+// Ten claims at once may each be ten times as likely false, so that of all as many are false.
+TEST(ClaimRule, ManyClaimsMayEachBeLessSure) {
+  const ResidualLayout layout = residualLayout(recording());
+  const Eigen::VectorXd before = Eigen::VectorXd::Constant(layout.size, 1e-3);
+  ClaimRule rule(layout, 0.004, 1);
+  EXPECT_FALSE(rule.earns(before, improved(layout, before, 20.0)));  // before setTried()
+  rule.setTried(1000, 0.01);
+  const auto least = [&](std::size_t claims) {  // z that is enough
+    rule.setClaims(claims);
+    double z = 1.5;
+    while (z < 20.0 && !rule.earns(before, improved(layout, before, z))) z += 0.02;
+    return z;
+  };
+  const double one = least(1), ten = least(10), all = least(5000);
+  EXPECT_LT(ten, one - 0.3);
+  EXPECT_LT(all, ten - 0.3);
+  EXPECT_EQ(least(1), one);
+  EXPECT_LT(one, 20.0);
+}
+
+TEST(Hypothesis, WhatIsTooWeakAloneIsTriedTogether) {
+  const KinematicChain& robot = nominal().robot;
+  const std::vector<Hypothesis> single = allHypotheses(recording(), nominal());
+  std::set<std::string> labels;
+  for (const Hypothesis& group : togetherHypotheses(single, robot)) {
+    EXPECT_GT(group.parameters.size(), 1u);
+    EXPECT_EQ(group.shapes, 0u);
+    labels.insert(hypothesisLabel(group, robot));
+  }
+  const std::string all = "shoulder, elbow, tool_roll, insertion, wrist_pitch, wrist_yaw";
+  EXPECT_EQ(labels.count("joint_gain of " + all), 1u) << *labels.begin();
+  EXPECT_EQ(labels.count("joint_coupling of elbow by shoulder, tool_roll, insertion, wrist_pitch, "
+                         "wrist_yaw"),
+            1u);
+  for (const std::string& label : labels) {
+    EXPECT_EQ(label.find("base_registration"), label.npos);
+    EXPECT_EQ(label.find("pulley"), label.npos);  // has a period of its own for each joint
+    EXPECT_EQ(label.find("speed_limit"), label.npos);
+  }
+  // One that is in the fit already is not in a group; one alone is no group.
+  std::vector<Hypothesis> two;
+  for (const Hypothesis& hypothesis : single)
+    if (hypothesis.effect == "joint_gain" && hypothesis.joints.front() < 2)
+      two.push_back(hypothesis);
+  ASSERT_EQ(two.size(), 2u);
+  const std::vector<Hypothesis> group = togetherHypotheses(two, robot);
+  ASSERT_EQ(group.size(), 1u);
+  EXPECT_EQ(parameterNames(group.front(), robot),
+            (std::vector<std::string>{"g[shoulder]", "g[elbow]"}));
+  EXPECT_EQ(parameterNames(two.front(), robot), (std::vector<std::string>{"g"}));
+  two.pop_back();
+  EXPECT_TRUE(togetherHypotheses(two, robot).empty());
+}
+
 TEST(Selection, SharesAreWhatTheOthersCannotMakeUpFor) {
   const ResidualLayout layout = residualLayout(recording());
   std::set<std::string> phases;

@@ -122,7 +122,7 @@ class Planner:
                                  for status in self.statuses[before:]))
 
     def answered(self, first):
-        """Poses that were sent after the one of status `first` have a command and a status: all but a few,
+        """Poses that were sent after the one of status `first` have a command and a status: most of them,
         since of those that wait the corrector takes the newest."""
         begin = self.statuses[first].header.stamp
         sent = {stamp for stamp in list(self.sent) if stamp > begin}
@@ -130,7 +130,7 @@ class Planner:
         def missing(messages):
             return len(sent - {message.header.stamp for message in list(messages)})
 
-        return until(lambda: max(missing(self.statuses), missing(self.commands)) <= len(sent) // 20)
+        return until(lambda: max(missing(self.statuses), missing(self.commands)) <= len(sent) // 2)
 
     def largest_step(self):
         """Of successive commands along the axis that the model corrects [m]."""

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "raven_correction/diagnosis/held_out.h"
 
@@ -36,10 +37,16 @@ class ClaimRule {
   /// @param seed         of the bootstrap of compare()
   ClaimRule(const ResidualLayout& layout, double least_share, std::uint64_t seed);
 
-  /// The gain over typical motions must be beyond that of the best of `tried` useless hypotheses,
-  /// but for a chance of `significance` (typicalThreshold() of it over `tried`). Until then no gain
-  /// is enough.
+  /// The gain must be beyond chance, after `tried` hypotheses. Until then no gain is enough.
+  /// @param significance  of claiming anything where there is nothing, and the share of claims that
+  ///                      may be false where there is something, in (0, 0.5) [-]
   void setTried(std::size_t tried, double significance);
+
+  /// So many claims are made at once: each may then be false with a chance of claims / tried times
+  /// the significance. One alone is the correction of Bonferroni, and with many the share of false
+  /// ones stays what it was. Source: Benjamini and Hochberg 1995,
+  /// doi:10.1111/j.2517-6161.1995.tb02031.x
+  void setClaims(std::size_t claims);
 
   /// Noise from frame to frame, one per channel (noiseFloor()). Until then no recording is quiet.
   void setNoise(const Eigen::VectorXd& floor) { floor_ = floor; }
@@ -73,9 +80,12 @@ class ClaimRule {
   const ResidualLayout& layout_;
   double least_share_;
   std::uint64_t seed_;
-  double typical_, student_;  // thresholds of z_typical and z_mean
-  Eigen::VectorXd floor_;     // of the noise, per channel
-  Eigen::VectorXd samples_;   // of each motion, per channel
+  std::size_t tried_ = 0, claims_ = 0;
+  double significance_ = 0.0;
+  std::vector<double> deviations_;  // of lists of so many motions, see typicalThreshold()
+  double typical_, student_;        // thresholds of z_typical and z_mean
+  Eigen::VectorXd floor_;           // of the noise, per channel
+  Eigen::VectorXd samples_;         // of each motion, per channel
 };
 
 }  // namespace raven_correction

@@ -22,6 +22,33 @@ namespace raven_correction {
 Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFit& fit, int folds,
                                  SimulatedSamples* simulated = nullptr);
 
+/// heldOutResiduals() as far as the derivatives at the fit tell, without any simulation: right for
+/// causes that are small, and good enough to see which of many are.
+class LinearHeldOut {
+ public:
+  /// @param problem, fit  as for heldOutResiduals(); referred to
+  LinearHeldOut(const EffectFitProblem& problem, const EffectFit& fit, int folds);
+  /// A cause that is dropped: its parameters are `count` of the fit's, from `first`; the first
+  /// `amplitudes` of these become 0, the others shape what is not there any more.
+  struct Dropped {
+    Eigen::Index first = 0, amplitudes = 0, count = 0;
+  };
+  /// The held-out residual with all other parameters free to make up for it; with nothing dropped,
+  /// that of the fit. @return layout.size numbers
+  Eigen::VectorXd residual(const Dropped& dropped) const;
+  Eigen::VectorXd residual() const { return residual(Dropped()); }
+  /// Where the other parameters go then, with no fold held out; those of the cause go with it.
+  /// Within their ranges. @return one for each parameter that is left
+  Eigen::VectorXd others(const Dropped& dropped) const;
+
+ private:
+  Eigen::VectorXd step(const NormalEquations& equations, const Dropped& dropped) const;
+
+  const EffectFitProblem& problem_;
+  const EffectFit& fit_;
+  std::vector<NormalEquations> without_;  // each fold
+};
+
 /// Whether `after` is better than `before`, motion by motion: with n motions and
 /// d_i = before_i - after_i,
 ///

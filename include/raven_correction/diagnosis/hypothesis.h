@@ -10,7 +10,8 @@
 
 namespace raven_correction {
 
-/// One cause: an effect, of one joint, of a pair of joints (moved, mover), or of the whole arm.
+/// One cause: an effect, of one joint, of a joint and what moves it (moved, mover, ...), of several
+/// joints together, or of the whole arm.
 struct Hypothesis {
   std::string effect;
   std::vector<int> joints;                  ///< rows of the chain; empty: the whole arm
@@ -28,7 +29,7 @@ struct Hypothesis {
 bool isLimit(const std::string& effect, const std::string& symbol) noexcept;
 
 /// "backlash of elbow", "joint_coupling of elbow by shoulder", "base_registration", "link_geometry
-/// alpha of elbow".
+/// alpha of elbow", "joint_coupling of elbow by shoulder, insertion", "joint_gain of elbow, roll".
 std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& robot);
 
 /// All that this recording could show: no geometry for joint data, nothing before the motors where
@@ -38,6 +39,24 @@ std::string hypothesisLabel(const Hypothesis& hypothesis, const KinematicChain& 
 /// @param simulation  whose cable coupling says which motors those are
 std::vector<Hypothesis> allHypotheses(const Recording& recording,
                                       const SimulationConfig& simulation);
+
+/// Each of these may be too weak to be claimed where all of their kind together are not: the same
+/// parameter of several joints; all couplings into one joint, which are one cable's way; or all
+/// couplings. Each group of at least two is one hypothesis with a parameter for each joint.
+/// @param single  of these; what has shapes, and limits, are left alone
+std::vector<Hypothesis> togetherHypotheses(const std::vector<Hypothesis>& single,
+                                           const KinematicChain& robot);
+
+/// Parameters of one effect and symbol as one hypothesis. @param parameters  at least one
+Hypothesis hypothesisOf(std::vector<ParameterHandle> parameters, const KinematicChain& robot);
+
+/// Its parameters joint by joint where they are couplings into several, else all of them.
+std::vector<std::vector<ParameterHandle>> partsOf(const Hypothesis& hypothesis,
+                                                  const KinematicChain& robot);
+
+/// What to call its parameters: by the symbol, or where several joints have the same one, by its
+/// label ("c[elbow<-shoulder]").
+std::vector<std::string> parameterNames(const Hypothesis& hypothesis, const KinematicChain& robot);
 
 /// What the starts need to know of the recording.
 struct RecordingSummary {

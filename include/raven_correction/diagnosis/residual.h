@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,16 @@ struct ResidualBlock {
   Eigen::Index offset = 0;  ///< of its first component
 };
 
+class TimelineCache;
+
 /// How the residual vector of a recording is laid out; the same for every simulation.
 struct ResidualLayout {
   std::vector<Channel> channels;
   std::vector<ResidualBlock> blocks;  ///< motion by motion, by stamp
   Eigen::Index size = 0;
   int motions = 0;
+  /// What residuals() keeps of the recording from one simulation to the next.
+  std::shared_ptr<TimelineCache> timelines;
 
   /// Components of a block: those of its channel.
   int sizeOf(const ResidualBlock& block) const {
@@ -52,6 +57,7 @@ ResidualLayout residualLayout(const Recording& recording);
 /// the same.
 struct SimulatedSamples {
   Eigen::MatrixXd joints;        ///< joint side [rad or m]
+  Eigen::VectorXd since_start;   ///< of the session [s]
   Eigen::Matrix4Xd orientation;  ///< of the tool in base, x y z w: the frame of the orientation
                                  ///< residual; 0 of joint data and of encoder samples
   /// Orientation of the tool at one block; the identity where there is none.
@@ -68,10 +74,25 @@ struct SimulatedSamples {
 /// @param simulation  of the recording's robot; its internal step is set to the longest one, which
 ///        changes results by less than a micrometre (doc/simulation.md, exactness)
 /// @param simulated   if not null: what it says of every sample
+/// @param use         one per motion: the residuals of the others are not wanted and stay 0, and so
+///                    does what is said of their samples; empty: all
 /// @return layout.size numbers
 Eigen::VectorXd residuals(const Recording& recording, const ResidualLayout& layout,
-                          const SimulationConfig& simulation,
-                          SimulatedSamples* simulated = nullptr);
+                          const SimulationConfig& simulation, SimulatedSamples* simulated = nullptr,
+                          const std::vector<bool>& use = {});
+
+/// Whether a joint of this simulation depends on gravity or payload, and so on all joints before.
+bool needsLoad(const SimulationConfig& simulation);
+/// Whether residuals() of two simulations that differ in this effect alone differ by no more than
+/// where the links put the tool and what is seen of it: their joints are the same.
+bool leavesJointsAlone(const SimulationConfig& simulation, const std::string& effect);
+/// residuals() of a simulation whose joints move as those of another one, at the price of its
+/// forward kinematics.
+/// @param simulated  by the other one: its joints and instants
+/// @param residual   of the other one: what is not a pose stays as it is
+Eigen::VectorXd residualsOfJoints(const Recording& recording, const SimulationConfig& simulation,
+                                  const SimulatedSamples& simulated,
+                                  const Eigen::VectorXd& residual);
 
 /// Robust standard deviation of the components of every channel: 1.4826 times the median of their
 /// absolute values, and not below what can be measured at all (1 um, 0.01 mrad).

@@ -15,7 +15,7 @@ namespace raven_correction {
 
 struct SelectionOptions {
   int folds = 5;  ///< motion i is held out in fold i % folds
-  int max_causes = 24;
+  int max_causes = 32;
   int finalists = 8;  ///< hypotheses of a round that are fitted; the others were screened
   /// Chance of a false claim on data without any effect that the threshold aims at, shared over all
   /// hypotheses and starts [-]. How often it happens is what `bench diagnosis` counts.

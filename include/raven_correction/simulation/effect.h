@@ -70,6 +70,8 @@ class Effect {
   /// it is the q that came in.
   virtual void apply(const StepContext& /*context*/, JointVector& /*memory*/,
                      JointVector& /*q*/) const noexcept {}
+  /// kDrive, kCable: what apply() returns depends on `memory`.
+  virtual bool remembers() const noexcept { return false; }
   /// kDrive, kCable: the way back, from the q that apply() returns to the one that came in, as far
   /// as the past tells it: inverse_arm.h. Here for effects without memory: Newton steps on apply();
   /// q stays as it is where they do not converge. An effect with memory has a way of its own.

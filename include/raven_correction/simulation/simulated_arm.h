@@ -78,7 +78,11 @@ class SimulatedArm {
 
   double time() const noexcept { return state_.time; }
   /// The tool as registered motion capture sees it, without noise: X_base_tool.
-  Pose toolPose() const noexcept;
+  Pose toolPose() const noexcept { return toolPoseAt(sinceStart(), state_.joint); }
+  /// The same where the links are at `joints`, so long after the start of the session [s], whatever
+  /// the arm does now.
+  Pose toolPoseAt(double since_start, const JointVector& joints) const noexcept;
+  double sinceStart() const noexcept { return state_.time - state_.start; }  ///< [s]
   /// Nominal forward kinematics of the encoders (measured_cp).
   Pose measuredPose() const noexcept { return config_.robot.forward(encoderJoints()); }
   /// Nominal forward kinematics of the present set-point (setpoint_cp).
