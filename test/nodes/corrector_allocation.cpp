@@ -9,6 +9,7 @@
 #include <functional>
 #include <mutex>
 
+#include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/corrector_node.h"
 #include "raven_correction/ros/model_file.h"
 #include "support/allocation_guard.h"
