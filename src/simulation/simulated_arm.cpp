@@ -177,8 +177,7 @@ JointVector SimulatedArm::encoderJoints() const noexcept {
 Pose SimulatedArm::toolPoseAt(double since_start, const JointVector& joints) const noexcept {
   Pose X = X_base_robot_ * real_chain_.forward(joints) * X_tool_observed_;
   for (const auto& effect : config_.effects)
-    if (effect->stage() == EffectStage::kObservation)
-      X = effect->observe(since_start, X);
+    if (effect->stage() == EffectStage::kObservation) X = effect->observe(since_start, X);
   return X;
 }
 

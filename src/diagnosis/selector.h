@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The state of a selection (selection.h): the causes so far, their fit, and what may still be
+// added to or removed from them. Adding is adding_causes.cpp, removing removing_causes.cpp.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raven_correction/diagnosis/claim.h"
+#include "raven_correction/diagnosis/screening.h"
+#include "raven_correction/diagnosis/selection.h"
+
+namespace raven_correction {
+
+/// A cause in the fit: its free parameters are `count` of the fit's, from `first`.
+struct Member {
+  Hypothesis hypothesis;
+  Eigen::Index first = 0, count = 0;
+  bool together = false;  // of togetherHypotheses()
+  std::vector<Hypothesis> equals;
+  bool has_runner_up = false;
+  Hypothesis runner_up;
+  double runner_up_share = 0.0;
+  double share = 0.0;  // when it was last dropped
+};
+
+/// How far the others are fitted again when a cause is dropped. kLinear: by their derivatives
+/// alone, which finds most of what does not earn its place. kLast: as far as the fit with all of
+/// them, so that the cause is judged by what it adds and not by the effort.
+enum class Effort { kLinear, kLast };
+
+/// A hypothesis after its fit.
+struct Finalist {
+  Candidate candidate;
+  EffectFit fit;
+  Eigen::VectorXd held_out;
+};
+
+/// Whether they have a parameter in common.
+bool overlaps(const Hypothesis& a, const Hypothesis& b);
+
+class Selector {
+ public:
+  Selector(const Recording& recording, const ResidualLayout& layout,
+           const SimulationConfig& simulation, const SelectionOptions& options,
+           const DiagnosisProgress& progress);
+  SelectionResult run();
+
+ private:
+  void say(const std::string& phase, double fraction) const;
+  void refit();
+
+  // adding_causes.cpp
+  /// The fit so far and one more hypothesis.
+  EffectFitProblem with(const Candidate& candidate) const;
+  std::vector<Finalist> fitFinalists(std::vector<Candidate> candidates) const;
+  /// The best that earns its place; of those that explain the held-out motions as well as that one
+  /// the one with the fewest parameters. Null if none does.
+  const Finalist* choose(const std::vector<Finalist>& finalists, Member& member) const;
+  /// Hypotheses that are not in the fit; of these the promising ones only, unless `all`.
+  std::vector<Hypothesis> openHypotheses(bool all) const;
+  /// Fits the best of the open hypotheses. What explains next to nothing does so in the next round,
+  /// too, so not every round has to look at all.
+  std::vector<Finalist> tryHypotheses(int round, bool all);
+  std::vector<Finalist> tryHypotheses(int round, bool all, const std::vector<Hypothesis>& open);
+  bool add(int round);
+  /// Couplings into several joints are a cause for each of these, to be judged on its own.
+  void addMembers(Member member);
+
+  // removing_causes.cpp
+  /// The fit without one cause, all others free to make up for it.
+  EffectFitProblem without(const Member& member) const;
+  /// Held-out residual when one cause is dropped and the others are refitted, from where their
+  /// derivatives lead or from where they are.
+  Eigen::VectorXd drop(const Member& member, const LinearHeldOut& linear) const;
+  static LinearHeldOut::Dropped droppedOf(const Member& member);
+  /// A limit of nothing is none, which no derivative knows.
+  bool isLinear(const Member& member) const;
+  /// Drops each of these causes on its own.
+  void dropEach(const std::vector<std::size_t>& members, Effort effort);
+  /// Of these causes the one that earns its place least; members_.size() if all earn it.
+  std::size_t weakestOf(const std::vector<std::size_t>& members) const;
+  /// All causes, or those only that explained little when they were last dropped.
+  std::vector<std::size_t> membersToDrop(bool all) const;
+  /// Removes causes that do not earn their place, the weakest first; in the end each of those that
+  /// stay has been dropped beside all the others.
+  void removeWeak(Effort effort);
+  void remove(std::size_t weakest);
+  /// Takes those parameters out of groups whose values may as well be nothing. Fits nothing.
+  void trimGroups();
+
+  Cause describe(const Member& member, const Eigen::VectorXd& dropped) const;
+  void finish();
+
+  const Recording& recording_;
+  const ResidualLayout& layout_;
+  const SelectionOptions options_;
+  const DiagnosisProgress& progress_;
+  const RecordingSummary summary_;
+  ClaimRule rule_;
+  const std::vector<Hypothesis> hypotheses_;
+  std::vector<Hypothesis> promising_;  // the best of the last time that all were screened
+  EffectFitProblem problem_;           // the causes so far
+  EffectFit fit_;
+  Eigen::VectorXd held_out_;  // residual
+  std::vector<Member> members_;
+  std::vector<Eigen::VectorXd> dropped_;  // see dropEach()
+  Eigen::VectorXd kept_;                  // held-out residual to compare them with
+  SelectionResult result_;
+};
+
+}  // namespace raven_correction
