@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which pixels have the colour of red foam, whatever the light. Which of them belong together is
+// foam_pieces.h.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace raven_correction {
+
+/// log((R + e) / sqrt((G + e) (B + e))) of a slightly blurred image, e = 6 of 255: independent of
+/// brightness above the noise.
+/// @param image  8UC3, blue green red
+/// @return 32FC1
+cv::Mat redness(const cv::Mat& image);
+
+/// The pixels that are red: above a limit half way between the median of the field (tissue) and the
+/// median of what is clearly red, and at least `redness_min` above the former.
+/// @param field     8UC1, where to look
+/// @param area_min  smaller regions and holes do not count [px]
+/// @return 8UC1, 255 or 0
+cv::Mat foamMask(const cv::Mat& redness, const cv::Mat& field, double redness_min, double area_min);
+
+}  // namespace raven_correction
