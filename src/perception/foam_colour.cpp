@@ -11,9 +11,14 @@
 namespace raven_correction {
 namespace {
 
-constexpr float kFloor = 6.0f;  // e: noise of a dark pixel, of 255
-constexpr double kBlur = 0.8;   // [px]
-constexpr int kSampleStep = 3;  // of pixels that a median is taken of, along both axes
+constexpr float kFloor = 6.0f;             // e: noise of a dark pixel, of 255
+constexpr double kBlur = 0.8;              // [px]
+constexpr int kSampleStep = 3;             // of pixels that a median is taken of, along both axes
+constexpr int kSaturated = 247;            // level of red above which it is not known
+constexpr float kSaturatedWeight = 0.02f;  // counts only where nothing else is known
+constexpr double kColourBlur = 1.8;        // [px]
+constexpr double kBrightnessBlur = 1.2;    // [px]
+constexpr float kDark = 2e-3f;             // linear light that cannot be told from none
 
 double median(std::vector<float>& values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -32,6 +37,19 @@ double medianAbove(const cv::Mat& redness, const cv::Mat& field, double limit) {
       if (inside[u] != 0 && row[u] > limit) values.push_back(row[u]);
   }
   return median(values);
+}
+
+/// Linear light of an sRGB level.
+const std::array<float, 256>& decoding() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double y = static_cast<double>(i) / 255.0;
+      values[i] = static_cast<float>(y <= 0.04045 ? y / 12.92 : std::pow((y + 0.055) / 1.055, 2.4));
+    }
+    return values;
+  }();
+  return table;
 }
 
 }  // namespace
@@ -75,6 +93,44 @@ cv::Mat foamMask(const cv::Mat& redness, const cv::Mat& field, double redness_mi
         cv::drawContours(mask, contours, hole, cv::Scalar(0), cv::FILLED);
   }
   return mask;
+}
+
+FoamColour foamColour(const cv::Mat& image, const cv::Mat& mask) {
+  const std::array<float, 256>& linear = decoding();
+  FoamColour colour;
+  colour.light = cv::Mat::zeros(image.size(), CV_32FC3);
+  cv::Mat sum(image.size(), CV_32FC1);
+  cv::Mat weighted = cv::Mat::zeros(image.size(), CV_32FC3);
+  cv::Mat weight = cv::Mat::zeros(image.size(), CV_32FC1);
+  for (int v = 0; v < image.rows; ++v) {
+    const cv::Vec3b* const pixel = image.ptr<cv::Vec3b>(v);
+    const std::uint8_t* const inside = mask.ptr<std::uint8_t>(v);
+    for (int u = 0; u < image.cols; ++u) {
+      const cv::Vec3f light(linear[pixel[u][0]], linear[pixel[u][1]], linear[pixel[u][2]]);
+      sum.at<float>(v, u) = light[0] + light[1] + light[2];
+      if (inside[u] == 0) continue;
+      const bool known = pixel[u][2] <= kSaturated;
+      if (known) colour.light.at<cv::Vec3f>(v, u) = light;
+      weight.at<float>(v, u) = known ? 1.0f : kSaturatedWeight;
+      weighted.at<cv::Vec3f>(v, u) = weight.at<float>(v, u) * light;
+    }
+  }
+  cv::GaussianBlur(sum, sum, cv::Size(), kBrightnessBlur);
+  cv::log(sum + kDark, colour.brightness);
+  cv::Mat mean;  // weighted sums over the neighbours: the weight cancels in the ratios
+  cv::GaussianBlur(weighted, mean, cv::Size(), kColourBlur);
+  cv::GaussianBlur(weight, weight, cv::Size(), kColourBlur);
+  colour.green = cv::Mat::zeros(image.size(), CV_32FC1);
+  colour.blue = cv::Mat::zeros(image.size(), CV_32FC1);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) {
+      if (mask.at<std::uint8_t>(v, u) == 0) continue;
+      const cv::Vec3f& m = mean.at<cv::Vec3f>(v, u);
+      const float floor = kDark * weight.at<float>(v, u);
+      colour.green.at<float>(v, u) = std::log((m[1] + floor) / (m[2] + floor));
+      colour.blue.at<float>(v, u) = std::log((m[0] + floor) / (m[2] + floor));
+    }
+  return colour;
 }
 
 }  // namespace raven_correction

@@ -365,8 +365,11 @@ std::vector<FragmentDetection> FragmentDetector::detect(const cv::Mat& left, con
   PieceLimits limits;
   limits.pixels_per_metre = pixels_per_metre_;
   limits.length_max = config_.length_max;
-  const cv::Mat left_labels = splitFoam(left_rect, left_redness, left_mask, height, limits);
-  const cv::Mat right_labels = transferPieces(left_labels, height, right_rect, right_mask, sweep);
+  const FoamColour left_colour = foamColour(left_rect, left_mask);
+  const FoamColour right_colour = foamColour(right_rect, right_mask);
+  const cv::Mat left_labels = splitFoam(left_colour, left_mask, height, limits);
+  const cv::Mat right_labels =
+      transferPieces(left_labels, left_colour, height, right_colour, right_mask, sweep);
   double last = 0.0;
   cv::minMaxLoc(left_labels, nullptr, &last);
   const int pieces = static_cast<int>(last);

@@ -32,8 +32,10 @@ class PlaneSweep {
 };
 
 /// For every pixel of the left mask the height in [-1 mm, height_max] whose plane fits best: least
-/// sum of absolute differences of brightness, less its local mean, over the foam pixels of a
-/// window.
+/// sum of absolute differences of brightness, less its local mean, over the foam pixels of a small
+/// window, and of what it costs to climb or jump on eight paths over the foam (semi-global
+/// matching).
+/// Source: Hirschmueller 2008, doi:10.1109/TPAMI.2007.1166
 /// @param left, right            8UC3, rectified
 /// @param left_mask, right_mask  8UC1
 /// @return 32FC1 [m]; NaN outside the mask
