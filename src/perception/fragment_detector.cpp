@@ -26,14 +26,17 @@ constexpr double kTypicalHalf = 0.28;      // of length_max: half axis of a typi
 constexpr double kHalfDeviation = 0.07;    // of length_max
 constexpr double kRoughness = 0.00035;     // of an outline about the superellipse [m]
 constexpr double kShapeCorrelation = 0.9;  // both cameras see nearly the same shape
-constexpr double kSeamNoise = 0.12;  // of a centre, per share of the contour and root of the area
+constexpr double kSeamNoise = 0.07;  // of a centre, per share of the contour and root of the area
 constexpr double kSideNoise = 2.5;   // the outline in an image has the body's sides in it
 constexpr double kYawFloor = 0.05;   // [rad]
 constexpr double kSuperellipseArea = 3.53;  // per product of the half axes, exponent 3
 constexpr double kSeenMin = 0.4;     // of a fragment: too little is seen of others to tell them
 constexpr double kFlatShare = 0.55;  // height of the centre per median height of the surface
-constexpr double kSurfaceNoise = 0.0002;    // of the height of a surface [m]
-constexpr double kGate = 3.5;               // deviations
+constexpr double kSurfaceNoise = 0.0002;  // of the height of a surface [m]
+constexpr double kLeaning = 0.3;  // of the mean thickness: from the centre of what leans to its
+                                  // surface
+constexpr int kSurround = 11;     // twice what is looked at around a region [px]
+constexpr double kGate = 3.5;     // deviations
 constexpr double kHeightAgreement = 0.004;  // of the centre from half of the top's height [m]
 
 void checkConfig(const FragmentDetectorConfig& c) {
@@ -137,6 +140,22 @@ PlaneMoments momentsOf(const std::vector<Eigen::Vector2d>& polygon, double noise
   return result;
 }
 
+/// Regions whose outline lies on the platform are marks on it, e.g. blood: no foam.
+void removeFlatMarks(const cv::Mat& left_redness, const cv::Mat& right_redness,
+                     const PlaneSweep& sweep, const FragmentDetectorConfig& config, cv::Mat& mask) {
+  cv::Mat regions;
+  const int n = cv::connectedComponents(mask, regions, 8, CV_32S);
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {kSurround, kSurround});
+  for (int k = 1; k < n; ++k) {
+    const cv::Mat region = regions == k;
+    cv::Mat with_surroundings;
+    cv::dilate(region, with_surroundings, disc);
+    const double height =
+        regionHeight(left_redness, right_redness, with_surroundings, sweep, config.height_max);
+    if (height < config.height_min) mask.setTo(0, region);
+  }
+}
+
 /// What one call of detect() works on.
 struct Sight {
   const StereoCamera& camera;
@@ -205,13 +224,14 @@ void orient(const Sight& sight, const Outline& left, const Outline& right,
 /// The surface says something about the height of the centre, too: it lies half way down to the
 /// platform, or, where the surface is higher than a piece is thick, half a piece below. One step of
 /// a Kalman filter with that measurement, unless it contradicts the outlines.
-void useSurface(const FragmentDetectorConfig& config, FragmentDetection& fragment) {
+void useSurface(const FragmentDetectorConfig& config, bool alone, FragmentDetection& fragment) {
   const bool on_platform = fragment.top <= config.thickness_max;
-  const double z = on_platform ? kFlatShare * fragment.top
-                               : fragment.top - (1.0 - kFlatShare) * 0.5 *
-                                                    (config.thickness_min + config.thickness_max);
+  const double z =
+      on_platform ? kFlatShare * fragment.top
+                  : fragment.top - kLeaning * 0.5 * (config.thickness_min + config.thickness_max);
+  // What touches another one may lean on it, and is then tilted.
   const double deviation =
-      kSurfaceNoise + (on_platform ? 0.1 * config.thickness_max
+      kSurfaceNoise + (on_platform ? 0.07 * config.thickness_max * (alone ? 1.0 : 2.0)
                                    : 0.2 * (config.thickness_max - config.thickness_min));
   const double innovation = z - fragment.p_field.z();
   const double variance = fragment.covariance(2, 2) + deviation * deviation;
@@ -274,7 +294,7 @@ std::optional<FragmentDetection> measure(const Sight& sight, const Outline& left
   const Eigen::Matrix3d J = sight.X_field_camera.q.toRotationMatrix() *
                             sight.camera.triangulationJacobian(fragment.pixel);
   fragment.covariance = J * S * J.transpose();
-  useSurface(config, fragment);
+  useSurface(config, alone, fragment);
   fragment.pixel = sight.camera.project(sight.X_field_camera.inverse() * fragment.p_field);
   if (fragment.p_field.z() < config.height_min || fragment.p_field.z() > config.height_max)
     return std::nullopt;
@@ -356,10 +376,11 @@ std::vector<FragmentDetection> FragmentDetector::detect(const cv::Mat& left, con
 
   const double area_min = 0.4 * std::pow(config_.length_min * pixels_per_metre_, 2.0);
   const cv::Mat left_redness = redness(left_rect);
-  const cv::Mat left_mask = foamMask(left_redness, field_left_, config_.redness_min, area_min);
-  const cv::Mat right_mask =
-      foamMask(redness(right_rect), field_right_, config_.redness_min, area_min);
+  const cv::Mat right_redness = redness(right_rect);
+  cv::Mat left_mask = foamMask(left_redness, field_left_, config_.redness_min, area_min);
+  const cv::Mat right_mask = foamMask(right_redness, field_right_, config_.redness_min, area_min);
   const PlaneSweep sweep(camera_, X_field_camera_);
+  removeFlatMarks(left_redness, right_redness, sweep, config_, left_mask);
   const cv::Mat height =
       heightMap(left_rect, right_rect, left_mask, right_mask, sweep, config_.height_max);
   PieceLimits limits;

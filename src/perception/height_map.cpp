@@ -20,6 +20,10 @@ constexpr float kSlopeCost = 0.35f;
 constexpr float kJumpCost = 1.6f;
 constexpr float kLargestCost = 6.0f;  // of a pixel, in the same unit
 
+constexpr double kLowestRegion = -0.002;    // [m]
+constexpr double kRegionStep = 0.0001;      // [m]
+constexpr double kLargestDifference = 0.5;  // of redness
+
 /// Brightness less its mean over the foam around, and 0 outside the mask.
 cv::Mat texture(const cv::Mat& image, const cv::Mat& mask) {
   cv::Mat grey(image.size(), CV_32FC1);
@@ -185,6 +189,32 @@ cv::Mat heightMap(const cv::Mat& left, const cv::Mat& right, const cv::Mat& left
         static_cast<float>(kLowest + (static_cast<double>(best) + fine) * kStep);
   }
   return result;
+}
+
+double regionHeight(const cv::Mat& left_redness, const cv::Mat& right_redness,
+                    const cv::Mat& region, const PlaneSweep& sweep, double height_max) {
+  std::vector<cv::Point> pixels;
+  cv::findNonZero(region, pixels);
+  const int levels = static_cast<int>(std::ceil((height_max - kLowestRegion) / kRegionStep)) + 1;
+  std::vector<double> sums;
+  for (int k = 0; k < levels; ++k) {
+    const double height = kLowestRegion + k * kRegionStep;
+    double sum = 0.0;
+    for (const cv::Point& p : pixels) {
+      const double there = sweep.rightColumn(p.x, p.y, height);
+      const int first = static_cast<int>(std::floor(there));
+      double difference = kLargestDifference;
+      if (first >= 0 && first + 1 < right_redness.cols) {
+        const float* const row = right_redness.ptr<float>(p.y);
+        const double value = row[first] + (there - first) * (row[first + 1] - row[first]);
+        difference = std::min(difference, std::abs(left_redness.at<float>(p) - value));
+      }
+      sum += difference;
+    }
+    sums.push_back(sum);
+  }
+  const auto best = std::min_element(sums.begin(), sums.end()) - sums.begin();
+  return kLowestRegion + static_cast<double>(best) * kRegionStep;
 }
 
 }  // namespace raven_correction

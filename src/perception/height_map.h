@@ -42,4 +42,13 @@ class PlaneSweep {
 cv::Mat heightMap(const cv::Mat& left, const cv::Mat& right, const cv::Mat& left_mask,
                   const cv::Mat& right_mask, const PlaneSweep& sweep, double height_max);
 
+/// The height of a horizontal plane on which a region of the left image fits the right one best:
+/// least sum of absolute differences of redness, each limited. A region with its surroundings has
+/// an outline, and a flat mark on the platform fits at 0, whatever glints on it.
+/// @param left_redness, right_redness  32FC1, redness() of the rectified images
+/// @param region                       8UC1, not empty
+/// @return in [-2 mm, height_max] [m]
+double regionHeight(const cv::Mat& left_redness, const cv::Mat& right_redness,
+                    const cv::Mat& region, const PlaneSweep& sweep, double height_max);
+
 }  // namespace raven_correction

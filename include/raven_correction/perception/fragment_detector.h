@@ -23,7 +23,7 @@ struct FragmentDetectorConfig {
   double thickness_max = 0.006;  ///< what is higher lies on another one [m]
   double redness_min = 0.3;    ///< redder than the tissue, in logarithm of red over green and blue
   double outline_noise = 0.6;  ///< of a point of an outline, one standard deviation [px]
-  double shape_noise = 0.025;  ///< how far the middle of an outline is from the projected centre of
+  double shape_noise = 0.015;  ///< how far the middle of an outline is from the projected centre of
                                ///< the body, per length of the fragment, one deviation [-]
 };
 
