@@ -33,10 +33,10 @@ constexpr double kSuperellipseArea = 3.53;  // per product of the half axes, exp
 constexpr double kSeenMin = 0.4;     // of a fragment: too little is seen of others to tell them
 constexpr double kFlatShare = 0.55;  // height of the centre per median height of the surface
 constexpr double kSurfaceNoise = 0.0002;  // of the height of a surface [m]
-constexpr double kLeaning = 0.3;  // of the mean thickness: from the centre of what leans to its
-                                  // surface
-constexpr int kSurround = 11;     // twice what is looked at around a region [px]
-constexpr double kGate = 3.5;     // deviations
+constexpr double kLeaning = 0.37;  // of the mean thickness: from the centre of what leans to its
+                                   // surface
+constexpr int kSurround = 11;      // twice what is looked at around a region [px]
+constexpr double kGate = 3.5;      // deviations
 constexpr double kHeightAgreement = 0.004;  // of the centre from half of the top's height [m]
 
 void checkConfig(const FragmentDetectorConfig& c) {
@@ -232,7 +232,7 @@ void useSurface(const FragmentDetectorConfig& config, bool alone, FragmentDetect
   // What touches another one may lean on it, and is then tilted.
   const double deviation =
       kSurfaceNoise + (on_platform ? 0.07 * config.thickness_max * (alone ? 1.0 : 2.0)
-                                   : 0.2 * (config.thickness_max - config.thickness_min));
+                                   : 0.3 * (config.thickness_max - config.thickness_min));
   const double innovation = z - fragment.p_field.z();
   const double variance = fragment.covariance(2, 2) + deviation * deviation;
   if (innovation * innovation > kGate * kGate * variance) return;

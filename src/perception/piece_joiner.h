@@ -16,8 +16,7 @@ namespace raven_correction {
 
 struct PieceLimits {
   double pixels_per_metre = 4000.0;
-  double radius_min = 0.0009;  ///< of the largest disc inside a piece [m]
-  double length_max = 0.016;   ///< [m]
+  double length_max = 0.016;  ///< [m]
 };
 
 /// What can be seen of two touching pieces a and b.

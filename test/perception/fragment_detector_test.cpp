@@ -38,11 +38,12 @@ TEST(FragmentTrial, HasScenesWorthTrying) {
   EXPECT_GT(score().fragments, score().half_visible);
 }
 
-// The aim is 98 % found, 95 % of them within 1 mm, none false. It is NOT reached yet: these floors
-// only keep what there is. Whoever raises them to the aim has finished the detector.
-constexpr double kFoundFloor = 0.90;
-constexpr double kWithinFloor = 0.80;
-constexpr double kFalseCeiling = 0.10;
+// The aim is 98 % found, 95 % of them within 1 mm, none false. Measured on these scenes: 97.6 %,
+// 97.4 %, 2 of 1073. The share within 1 mm is held at the aim, the other two at what is reached
+// (doc/perception.md); whoever raises them to the aim has finished the detector.
+constexpr double kFoundFloor = 0.97;
+constexpr double kWithinFloor = 0.95;
+constexpr double kFalseCeiling = 0.005;
 
 TEST(FragmentTrial, FindsMostOfWhatIsHalfVisible) {
   EXPECT_GE(score().foundShare(), kFoundFloor);

@@ -13,12 +13,12 @@
 namespace raven_correction {
 
 struct FragmentDetectorConfig {
-  double field_width = 0.08;   ///< of the field along its x [m]; what lies outside is ignored
-  double field_depth = 0.08;   ///< along its y [m]
-  double height_min = 0.0007;  ///< of a fragment's centre above the platform; flat marks are lower
-  double height_max = 0.015;   ///< [m]
-  double length_min = 0.003;   ///< of a fragment's outline from above [m]
-  double length_max = 0.016;   ///< a longer one is split or refused [m]
+  double field_width = 0.08;  ///< of the field along its x [m]; what lies outside is ignored
+  double field_depth = 0.08;  ///< along its y [m]
+  double height_min = 0.001;  ///< of a fragment's centre above the platform; flat marks are lower
+  double height_max = 0.015;  ///< [m]
+  double length_min = 0.003;  ///< of a fragment's outline from above [m]
+  double length_max = 0.016;  ///< a longer one is split or refused [m]
   double thickness_min = 0.003;  ///< of a fragment as it lies flat [m]
   double thickness_max = 0.006;  ///< what is higher lies on another one [m]
   double redness_min = 0.3;    ///< redder than the tissue, in logarithm of red over green and blue
@@ -51,9 +51,10 @@ struct FragmentDetectorTrace {
 /// 1. Both images are rectified: lens removed, rows are epipolar lines.
 /// 2. Colour: log red over green and blue, relative to the median of the field, so that neither
 ///    shadow nor exposure nor white balance counts; the limit is half way to the median of foam.
-/// 3. Height: the left image is matched with the right one as planes at many heights would show it.
-/// 4. Pieces: a watershed over brightness from the cores of the red regions. Some are joined again:
-///    what together is convex, small, of one colour, without a step and without a dark seam.
+/// 3. Height: a red region that fits the right image best on the platform is no foam; elsewhere the
+///    left image is matched with the right one as planes at many heights would show it.
+/// 4. Pieces: a watershed cuts foam into small ones, and those that are one fragment are joined
+///    again, by colour, height, seam and shape; the weights of these cues are trained.
 /// 5. Each piece is found again in the right image on the same rows, by its height, and cut out
 ///    there likewise. Rows, sizes, order and height have to agree.
 /// 6. The centre of each outline is triangulated: of a fitted one where another piece hides a part.
@@ -71,7 +72,7 @@ struct FragmentDetectorTrace {
 ///   covariance = R J S J^T R^T.
 ///
 /// The height t of the surface is a second measurement of the centre's height: 0.55 t on the
-/// platform (t <= thickness_max), else t less 0.45 times the mean thickness. It is taken in by one
+/// platform (t <= thickness_max), else t less 0.37 times the mean thickness. It is taken in by one
 /// step of a Kalman filter unless it is more than 3.5 deviations away.
 ///
 /// No member is written after the constructor, so several threads may use one detector.
