@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // offline experiment NAME: experiments of the paper and of this package. fidelity: how like a
 // measured session the simulation is; physics: what physics as the mean of the regression is worth;
-// repeatability (offline_repeatability.cpp): poses visited again and again through the nodes.
+// repeatability (offline_repeatability.cpp): poses visited again and again through the nodes;
+// fragments (offline_fragments.cpp): how well the stereo camera finds them.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -108,6 +109,7 @@ void addExperimentCommand(CLI::App& app) {
   experiment->require_subcommand(1);
   addPhysics(*experiment);
   addRepeatabilityExperiment(*experiment);
+  addFragmentsExperiment(*experiment);
   const auto arguments = std::make_shared<FidelityArguments>();
   CLI::App* const command = experiment->add_subcommand(
       "fidelity",

@@ -18,8 +18,9 @@ void addCompareCommand(CLI::App& app);
 void addDiagnoseCommand(CLI::App& app);
 void addRegressCommand(CLI::App& app);
 void addExperimentCommand(CLI::App& app);
-/// Of the command `experiment`.
+/// Likewise, of the command `experiment`.
 void addRepeatabilityExperiment(CLI::App& experiment);
+void addFragmentsExperiment(CLI::App& experiment);
 
 /// All commands. Text goes to standard output, progress and errors to standard error.
 /// @return 0 on success, 2 on bad usage or bad input (the text says why), 1 on failure
