@@ -50,6 +50,7 @@ std::vector<Finalist> Selector::fitFinalists(std::vector<Candidate> candidates) 
     problem.max_iterations = kFinalistIterations;
     problem.tolerance = kFinalistTolerance;
     problem.frozen = fit_.jacobian;
+    problem.with_covariance = false;
     finalists[i].candidate = candidates[i];
     finalists[i].fit = fitEffects(problem);
     finalists[i].held_out = heldOutResiduals(problem, finalists[i].fit, options_.folds);

@@ -217,7 +217,7 @@ EffectFit fitEffects(const EffectFitProblem& problem) {
   evaluation.PrepareForEvaluation(true, true);
   fit.residual = evaluation.residual();
   fit.jacobian = evaluation.jacobian();
-  fit.covariance = covarianceOf(problem, fit);
+  if (problem.with_covariance) fit.covariance = covarianceOf(problem, fit);
   return fit;
 }
 

@@ -53,6 +53,7 @@ Eigen::VectorXd Selector::drop(const Member& member, const LinearHeldOut& linear
   problem.max_iterations = kDropIterations;
   problem.tolerance = kLastTolerance;
   problem.frozen.resize(0, 0);
+  problem.with_covariance = false;
   EffectFit fit;
   for (int pass = 0; pass < 2; ++pass) {  // the scale shrinks as the others make up for it
     const Eigen::VectorXd scales = channelScales(layout_, residual);

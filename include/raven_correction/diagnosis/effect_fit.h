@@ -69,6 +69,7 @@ struct EffectFitProblem {
   /// Derivatives of the first parameters that are known well enough and not computed again:
   /// layout.size rows; may be empty.
   Eigen::MatrixXd frozen;
+  bool with_covariance = true;  ///< else EffectFit::covariance stays empty
 };
 
 struct EffectFit {
