@@ -65,8 +65,8 @@ SelectionResult Selector::run() {
   int round = 0;
   while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
   removeWeak(Effort::kLinear);
-  if (!members_.empty()) trimGroups();
   if (!members_.empty()) {  // nothing is added any more: to the end
+    trimGroups();
     problem_.max_iterations = kLastIterations;
     problem_.tolerance = kLastTolerance;
     refit();

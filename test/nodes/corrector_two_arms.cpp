@@ -17,7 +17,7 @@
 #include "raven_correction/ros/raven_command.h"
 #include "support/node_main.h"
 #include "support/raven_bytes.h"
-#include "support/wait_for.h"
+#include "support/spin_until.h"
 
 namespace raven_correction {
 namespace {
@@ -90,12 +90,7 @@ class TwoArms : public ::testing::Test {
 
   template <typename Condition>
   bool until(Condition condition) {
-    return waitFor(
-        [&] {
-          ros::spinOnce();
-          return condition();
-        },
-        kLimit);
+    return spinUntil(condition, kLimit);
   }
 
   /// Sends one command and waits for the answers, which statuses_ then end with.

@@ -13,7 +13,7 @@
 #include "raven_correction/ros/image_conversions.h"
 #include "raven_correction/simulation/stereo_rig.h"
 #include "support/node_main.h"
-#include "support/wait_for.h"
+#include "support/spin_until.h"
 
 namespace raven_correction {
 namespace {
@@ -22,12 +22,7 @@ constexpr double kLimit = 30.0;  // [s]
 
 template <typename Condition>
 bool until(Condition condition) {
-  return waitFor(
-      [&] {
-        ros::spinOnce();
-        return condition();
-      },
-      kLimit);
+  return spinUntil(condition, kLimit);
 }
 
 double distance(const Fragment& a, const Fragment& b) {

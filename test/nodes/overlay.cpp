@@ -13,7 +13,7 @@
 #include "raven_correction/CorrectionStatus.h"
 #include "raven_correction/ros/conversions.h"
 #include "support/node_main.h"
-#include "support/wait_for.h"
+#include "support/spin_until.h"
 
 namespace raven_correction {
 namespace {
@@ -30,12 +30,7 @@ class OverlayNode : public testing::Test {
   }
   template <typename Condition>
   bool until(Condition condition) {
-    return waitFor(
-        [&] {
-          ros::spinOnce();
-          return condition();
-        },
-        kLimit);
+    return spinUntil(condition, kLimit);
   }
   /// The last marker of a namespace that is shown.
   const Marker* shown(const std::string& ns) const {

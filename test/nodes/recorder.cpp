@@ -24,7 +24,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "support/node_main.h"
-#include "support/wait_for.h"
+#include "support/spin_until.h"
 
 namespace raven_correction {
 namespace {
@@ -64,12 +64,7 @@ class Arm {
   /// Waits for a condition while messages arrive.
   template <typename Condition>
   bool until(Condition condition) {
-    return waitFor(
-        [&] {
-          ros::spinOnce();
-          return condition();
-        },
-        kLimit);
+    return spinUntil(condition, kLimit);
   }
   bool untilReceived(const std::string& topic, std::uint64_t count) {
     const auto reached = [&] { return received(topic) >= count; };

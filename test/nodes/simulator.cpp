@@ -18,8 +18,8 @@
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/simulator_node.h"
 #include "support/node_main.h"
+#include "support/spin_until.h"
 #include "support/temporary_directory.h"
-#include "support/wait_for.h"
 
 namespace raven_correction {
 namespace {
@@ -88,12 +88,7 @@ class Simulator : public ::testing::Test {
 
   template <typename Condition>
   bool until(Condition condition) {
-    return waitFor(
-        [&] {
-          ros::spinOnce();
-          return condition();
-        },
-        kLimit);
+    return spinUntil(condition, kLimit);
   }
   Pose setpointPose() const { return poseFromMsg(setpoint.last.pose); }
   void send(const Pose& pose, const std::string& frame = "0_link") {

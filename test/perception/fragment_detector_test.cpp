@@ -15,6 +15,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/evaluation/fragment_trial.h"
 #include "raven_correction/report/fragment_report.h"
+#include "support/complaint.h"
 
 namespace raven_correction {
 namespace {
@@ -122,17 +123,6 @@ TEST(FragmentDetector, SeesNothingWhereThereIsNoPicture) {
   const cv::Mat blank(480, 640, CV_8UC3, cv::Scalar::all(90));
   EXPECT_TRUE(detector.detect(example.left, blank).empty());
   EXPECT_TRUE(detector.detect(blank, example.right).empty());
-}
-
-/// What is thrown; empty if nothing.
-template <typename Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
 }
 
 void expectWords(const std::string& text, const std::string& words) {

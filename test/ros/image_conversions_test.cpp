@@ -9,19 +9,10 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/simulation/stereo_rig.h"
+#include "support/complaint.h"
 
 namespace raven_correction {
 namespace {
-
-template <typename Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(CameraInfo, GoesThereAndBack) {
   const StereoCamera camera = makeStereoRig({}).camera;

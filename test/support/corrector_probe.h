@@ -19,7 +19,7 @@
 #include "raven_correction/SetMode.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
-#include "support/wait_for.h"
+#include "support/spin_until.h"
 
 namespace raven_correction {
 
@@ -60,12 +60,7 @@ class CorrectorProbe {
 
   template <typename Condition>
   bool until(Condition condition, double limit = kLimit) {
-    return waitFor(
-        [&] {
-          ros::spinOnce();
-          return condition();
-        },
-        limit);
+    return spinUntil(condition, limit);
   }
 
   Message message(const Pose& pose, const std::string& frame = "0_link") const {
