@@ -23,6 +23,7 @@ constexpr char kSamples[] = "correction/samples";              ///< of the train
 constexpr char kOverlay[] = "overlay";                         ///< markers for rviz
 constexpr char kOverlayModel[] = "overlay_model";              ///< of the model, latched
 constexpr char kRecorderParameters[] = "recorder/parameters";  ///< in bags only
+constexpr char kRobotHomed[] = "robot_homed";                  ///< in bags only: last homing
 constexpr char kTfStatic[] = "/tf_static";                     ///< registration
 
 }  // namespace topics
