@@ -50,7 +50,7 @@ TEST(Preflight, TheRobotThatTheModelIsOfPasses) {
     EXPECT_EQ(result.status, Status::kPassed) << result.message;
     EXPECT_GT(result.poses, 200u);
     EXPECT_LT(result.position, 0.5 * result.uncorrected_position);
-    EXPECT_LE(result.max_position, 0.005);
+    EXPECT_LE(result.max_position, PreflightLimits().max_position);
     EXPECT_EQ(result.promised_position, model().held_out.position_after);
     std::printf("seed %d: %s\n", static_cast<int>(seed), result.message.c_str());
   }

@@ -205,7 +205,7 @@ TEST_F(PreflightFaults, AValidModelPassesAndMayBeSwitchedOn) {
   EXPECT_LT(judged.orientation_median_deg, 0.2);
   EXPECT_GT(judged.position_before_mm, 5.0);
   EXPECT_NEAR(judged.position_expected_mm, 0.5, 1e-9);
-  EXPECT_NEAR(judged.position_limit_mm, 2.5, 1e-9);
+  EXPECT_NEAR(judged.position_limit_mm, 3.0, 1e-9);
   EXPECT_TRUE(judged.findings.empty()) << judged.findings[0];
   EXPECT_TRUE(saysPreflight(CorrectionStatus::PREFLIGHT_PASSED));
   EXPECT_TRUE(saysCode(CorrectionStatus::PASSED_OFF)) << "passing switches nothing on";

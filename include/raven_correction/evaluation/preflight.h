@@ -15,9 +15,9 @@ namespace raven_correction {
 
 struct PreflightLimits {
   /// The median error may be this many times what the model promises (its held-out error), > 0 [-].
-  double factor = 2.5;
-  double max_position = 0.005;    ///< and never more than this, > 0 [m]
-  double max_angle = 0.12;        ///< the same, > 0 [rad]
+  double factor = 3.0;
+  double max_position = 0.008;    ///< and never more than this, > 0 [m]
+  double max_angle = 0.15;        ///< the same, > 0 [rad]
   double least_position = 0.001;  ///< a promise below this counts as this, >= 0 [m]
   double least_angle = 0.0175;    ///< the same, >= 0 [rad]
   std::size_t min_poses = 200;    ///< states that can be judged, > 0 [1]
