@@ -114,6 +114,7 @@ relay_progress() {
 # --- processes: roslaunch gets a session of its own, and only what is in it is ever ended -----------
 launch=
 listener=
+preflight=
 relays=()
 
 session_members() { # LEADER: process ids
@@ -142,6 +143,7 @@ cleanup() {
   trap - EXIT INT TERM
   ((${#relays[@]} == 0)) || kill "${relays[@]}" 2>/dev/null || true
   [[ -z $listener ]] || kill "$listener" 2>/dev/null || true
+  [[ -z $preflight ]] || kill "$preflight" 2>/dev/null || true
   [[ -z $launch ]] || end_session "$launch"
 }
 trap cleanup EXIT
@@ -156,7 +158,7 @@ start_nodes() {
   ROSCONSOLE_FORMAT='${severity} ${node} ${message}' ROSCONSOLE_STDOUT_LINE_BUFFERED=1 \
     setsid roslaunch raven_correction demo.launch arm:="$arm" seed:="$seed" \
     clock_rate:="$clock_rate" record_directory:="$output" model_directory:="$output" \
-    overlay:=false required:=true >"$log" 2>&1 &
+    overlay:=false require_preflight:=true required:=true >"$log" 2>&1 &
   launch=$!
 }
 
@@ -169,7 +171,7 @@ wait_for_services() {
     missing=
     rosservice list >"$output/ros/services" 2>/dev/null || true
     for service in recorder/start recorder/stop planner/run trainer/retrain corrector/enable \
-      corrector/set_mode; do
+      corrector/set_mode corrector/preflight; do
       grep -qxF -- "$arm/$service" "$output/ros/services" || missing+=" $arm/$service"
     done
     [[ -n $missing ]] || return 0
@@ -207,6 +209,7 @@ record() {
 # --- the story --------------------------------------------------------------------------------------
 target_seed=$((1000 + seed))
 training_seed=$((2000 + seed))
+preflight_seed=$((3000 + seed))
 # The model learns from where the tool was seen, and is asked about where it is wanted. As the tool
 # is half a radian and three centimetres off its commands, the training has to reach further, too.
 turn=0.35
@@ -223,25 +226,35 @@ relays+=($!)
 relay_progress "$launch" &
 relays+=($!)
 
-say "1/5 visiting $targets targets without correction"
+say "1/6 visiting $targets targets without correction"
 record before "{trajectories: $targets, seed: $target_seed}"
 
-say "2/5 recording $trajectories other motions to learn from"
+say "2/6 recording $trajectories other motions to learn from"
 record training "{trajectories: $trajectories, seed: $training_seed, turn: $turn, margin: $margin}"
 training=$output/training.bag
 
-say "3/5 retraining:"
+say "3/6 retraining:"
 say "    rosservice call $arm/trainer/retrain \"{bags: [$training]}\""
 call trainer/retrain "{bags: [$training]}"
 indent <<<"$answer"
 model=$(field files)
 
-say "4/5 switching the corrector on, visiting the same $targets targets, which it has not learned from"
+say "4/6 pre-flight: is the model valid for this robot? Ten moves, with motion capture watching"
+rosservice call "$arm/corrector/preflight" '{duration: 120}' >"$output/ros/preflight" 2>&1 &
+preflight=$!
+call planner/run "{trajectories: 10, seed: $preflight_seed}"
+wait "$preflight" || fail "corrector/preflight: $(<"$output/ros/preflight")"
+preflight=
+answer=$(<"$output/ros/preflight")
+indent <<<"$answer"
+grep -qx 'passed: True' <<<"$answer" || fail "the model has not passed its pre-flight"
+
+say "5/6 switching the corrector on, visiting the same $targets targets, which it has not learned from"
 call corrector/set_mode '{mode: full}'
 call corrector/enable '{data: true}'
 record after "{trajectories: $targets, seed: $target_seed}"
 
-say "5/5 resting error at the targets, as motion capture saw it:"
+say "6/6 resting error at the targets, as motion capture saw it:"
 status=0
 "${CMAKE_PREFIX_PATH%%:*}/lib/raven_correction/offline" compare "$output/before.bag" "$output/after.bag" \
   --bag "$training" --model "$model" --max-ratio 0.2 --json "$json" || status=$?

@@ -88,6 +88,14 @@ void appendStreams(const std::vector<StreamHealth>& streams, HtmlDocument& docum
   }
 }
 
+void appendFindings(const std::vector<StreamFinding>& findings, HtmlDocument& document) {
+  for (const StreamFinding& finding : findings) document.note(Tone::kWarning, toText(finding));
+  if (findings.empty())
+    document.paragraph(
+        "Checked and found in order: stamps, rates, frames, units, arm, clocks, and that what was "
+        "seen follows what was commanded.");
+}
+
 void appendFates(const FateCounts& fates, std::size_t identity_commands, HtmlDocument& document) {
   HtmlTable table;
   table.caption = "What became of every observation; the first reason that applies counts.";

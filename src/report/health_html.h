@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "raven_correction/dataset/stream_finding.h"
 #include "raven_correction/dataset/stream_health.h"
 #include "raven_correction/dataset/synchronisation.h"
 #include "raven_correction/report/html_document.h"
@@ -13,6 +14,9 @@ namespace raven_correction {
 
 /// Table of streams, and a note for each that one should look at.
 void appendStreams(const std::vector<StreamHealth>& streams, HtmlDocument& document);
+
+/// A note for each, or that there is none.
+void appendFindings(const std::vector<StreamFinding>& findings, HtmlDocument& document);
 
 /// Table and bars of what became of the observations, by reason.
 void appendFates(const FateCounts& fates, std::size_t identity_commands, HtmlDocument& document);

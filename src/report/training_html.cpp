@@ -344,6 +344,7 @@ std::string trainingHtml(const TrainingResult& result, const TrainingPage& page,
   appendCoverage(page.coverage, document);
   appendModel(result, document);
   document.section("Data health");
+  appendFindings(page.findings, document);
   appendFates(result.fates, result.identity_commands, document);
   appendStreams(page.streams, document);
   RunRecord record = run;

@@ -16,6 +16,7 @@ constexpr double kSamePlace = 1e-6;  ///< an end of the path is this near [m, ra
 /// A longer id of a model costs the first statuses that name it an allocation each.
 constexpr std::size_t kLongestModelId = 256;
 constexpr double kMasterSilence = 5.0;  ///< of the master, that is worth a warning [s]
+constexpr double kSameHoming = 10.0;    ///< two nodes see one homing within this time [s]
 
 CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams& arm) {
   CorrectorLimits limits = params.limits;
@@ -34,17 +35,22 @@ CorrectorLimits limitsOf(const CorrectorParams& params, const CorrectedArmParams
 CorrectedArm::CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                            const CorrectorParams& params, const CorrectedArmParams& arm,
                            ros::CallbackQueueInterface& live_queue,
-                           ros::CallbackQueueInterface& model_queue)
+                           ros::CallbackQueueInterface& model_queue,
+                           ros::CallbackQueueInterface& check_queue)
     : nh_(nh, arm.ns),
       params_(params),
       arm_(arm),
       corrector_(limitsOf(params, arm)),
       master_heard_at_(ros::SteadyTime::now().toSec()),
+      gate_(params.require_preflight),
+      preflight_state_(params.require_preflight ? PreflightState::kNeeded
+                                                : PreflightState::kNotRequired),
+      observer_(nh_, params, check_queue),
       reported_at_(ros::SteadyTime::now()),
       diagnostics_(nh, private_nh, private_nh.getNamespace()) {
   corrector_.setTuning(params.gain, params.limits.max_translation, params.limits.max_rotation);
-  if (!arm.model.empty()) useModel(readModelFile(arm.model));
-  setMode(params.enabled ? correctorModeFromName(params.mode) : CorrectorMode::kOff);
+  if (!arm.model.empty()) takeModel(std::make_shared<const Correction>(readModelFile(arm.model)));
+  setMode(params.enabled ? correctorModeFromName(params.mode) : CorrectorMode::kOff, false);
   CorrectionStatus longest;
   longest.header.frame_id = params.base_frame;
   longest.model.assign(kLongestModelId, ' ');
@@ -113,7 +119,7 @@ void CorrectedArm::commit(bool sent) noexcept {
   if (sent) known_ = next_known_;
 }
 
-void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
+void CorrectedArm::report(const CommandRequest& message, double now, const ArmRequest& request,
                           const CorrectorOutput& output, double compute_time) {
   ++counts_[static_cast<std::size_t>(output.code)];
   latency_.add(compute_time);
@@ -122,7 +128,7 @@ void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
   if ((output.limits & kPlannerBeyond) != 0) ++beyond_;
   if (!isRefused(output.code)) tool_known_by_.store(output.tool_known_by);
   const boost::shared_ptr<CorrectionStatus> status = statuses_.next();
-  status->header.stamp = stamp;
+  status->header.stamp = message.stamp;
   status->header.frame_id = params_.base_frame;
   status->code = static_cast<std::uint8_t>(output.code);
   // A message that was refused before the arms were asked knows no mode.
@@ -139,7 +145,17 @@ void CorrectedArm::report(const ros::Time& stamp, const ArmRequest& request,
   status->limits = output.limits;
   status->h_share = output.h_share;
   status->compute_time = compute_time;
+  status->preflight = static_cast<std::uint8_t>(preflight_state_.load());
   status_publisher_.publish(status);
+  if (request.kind != ArmRequest::Kind::kPose || !request.position || !request.orientation) return;
+  LiveSample sample;
+  sample.stamp = message.stamp.toSec();
+  sample.arrival = now;
+  sample.desired = request.pose;
+  sample.command = output.command;
+  sample.sent = !isRefused(output.code);
+  sample.setFrame(message.frame);
+  observer_.note(sample);
 }
 
 void CorrectedArm::restart() noexcept {
@@ -173,18 +189,38 @@ void CorrectedArm::onMeasured(const geometry_msgs::PoseStampedConstPtr& measured
 
 // --- told by others ------------------------------------------------------------------------------
 
-void CorrectedArm::useModel(const Correction& model) {
-  checkModelIsFor(model, params_, arm_, ros::WallTime::now().toSec());
-  corrector_.setModel(model);
+/// While a model that has passed its pre-flight is in use, another one waits until it has, too: the
+/// correction that was checked goes on.
+void CorrectedArm::takeModel(std::shared_ptr<const Correction> model) {
+  checkModelIsFor(*model, params_, arm_, ros::WallTime::now().toSec());
+  const std::lock_guard<std::mutex> one_at_a_time(model_mutex_);
+  const bool other = gate_.required() && !isCleared(gate_.of(model->id)) && inUseIsCleared();
+  if (!other) return useModel(model);
+  const Predictor check(*model);  // refuses what does not fit together
+  ROS_WARN("corrector: model %s waits for its pre-flight; the one in use goes on",
+           model->id.c_str());
   const std::lock_guard<std::mutex> lock(mutex_);
-  model_ = {model.id, model.trained_at, model.expires_at};
+  waiting_ = std::move(model);
   refusal_.clear();
+}
+
+/// With model_mutex_ held.
+void CorrectedArm::useModel(const std::shared_ptr<const Correction>& model) {
+  corrector_.setModel(*model);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    model_ = {model->id, model->trained_at, model->homed_at, model->expires_at};
+    in_use_ = model;
+    waiting_.reset();
+    refusal_.clear();
+  }
+  updatePreflightState();
+  ROS_INFO("corrector: model %s is in use", model->id.c_str());
 }
 
 void CorrectedArm::onModel(const CorrectionModel& msg) {
   try {
-    useModel(modelFromMsg(msg));
-    ROS_INFO("corrector: model %s is in use", msg.id.c_str());
+    takeModel(std::make_shared<const Correction>(modelFromMsg(msg)));
   } catch (const std::exception& error) {
     ROS_ERROR("corrector: model refused, the one before stays in use: %s", error.what());
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -192,20 +228,14 @@ void CorrectedArm::onModel(const CorrectionModel& msg) {
   }
 }
 
-void CorrectedArm::setMode(CorrectorMode mode) {
-  corrector_.setMode(mode);
-  ROS_INFO("corrector: %s%smode %s", arm_.ns.c_str(), arm_.ns.empty() ? "" : ": ",
-           correctorModeName(mode));
-}
-
 bool CorrectedArm::hasModel() {
   const std::lock_guard<std::mutex> lock(mutex_);
   return !model_.id.empty();
 }
 
-void CorrectedArm::noteHoming(double now) {
+void CorrectedArm::noteTopics(const std::vector<StreamFinding>& findings) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  homed_at_ = now;
+  topic_findings_ = findings;
 }
 
 // --- diagnostics ---------------------------------------------------------------------------------
@@ -280,8 +310,21 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   if (!refusal_.empty()) status.mergeSummary(Level::WARN, "a model was refused: " + refusal_);
   if (model_.expires_at > 0.0 && unix_time > model_.expires_at)
     status.mergeSummary(Level::WARN, "the model has expired");
-  if (homed_at_ > model_.trained_at && !model_.id.empty())
-    status.mergeSummary(Level::WARN, "the robot was homed after the model was trained");
+  // A model knows of the homing that it was recorded after, or at least when it was trained.
+  const double valid_from = model_.homed_at > 0.0 ? model_.homed_at : model_.trained_at;
+  if (homed_at_ > valid_from + kSameHoming && !model_.id.empty())
+    status.mergeSummary(Level::WARN, model_.homed_at > 0.0
+                                         ? "the robot was homed after the model was recorded"
+                                         : "the robot was homed after the model was trained");
+  diagnosePreflight(status);
+  std::vector<StreamFinding> findings = topic_findings_;
+  for (const StreamFinding& finding : observer_.findings()) findings.push_back(finding);
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    status.add(format("finding %zu", i + 1), toText(findings[i]));
+    const bool said =
+        findings[i].severity == StreamFinding::Severity::kError || findings[i].what == "missing";
+    if (said) status.mergeSummary(Level::WARN, toText(findings[i]));
+  }
 }
 
 }  // namespace raven_correction

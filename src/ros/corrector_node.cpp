@@ -10,9 +10,26 @@ namespace {
 
 constexpr double kClockTolerance = 0.01;  ///< a smaller step back is that of a clock being set [s]
 constexpr double kMasterPeriod = 1.0;     ///< between questions to the master [s]
+constexpr double kTopicsPeriod = 5.0;     ///< between looks at which topics are there [s]
 
 bool isAsked(const ArmRequest& request) noexcept {
   return request.kind == ArmRequest::Kind::kPose || request.kind == ArmRequest::Kind::kRelative;
+}
+
+/// All of the arms, or none.
+bool setModes(const std::vector<CorrectedArm*>& arms, CorrectorMode mode, bool override_preflight,
+              std::string& message) {
+  for (const CorrectedArm* const arm : arms) {
+    message = arm->refusal(mode, override_preflight);
+    if (message.empty()) continue;
+    ROS_WARN("corrector: not switched on: %s", message.c_str());
+    return false;
+  }
+  message = std::string("mode ") + correctorModeName(mode);
+  bool in_force = true;
+  for (CorrectedArm* const arm : arms) in_force &= arm->setMode(mode, override_preflight);
+  if (!in_force) message = "the robot was homed meanwhile: a pre-flight has to pass again";
+  return in_force;
 }
 
 /// Bit for bit, in the parts that are asked for.
@@ -28,8 +45,8 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   std::vector<CorrectedArm*> all;
   for (const CorrectedArmParams& arm : params_.arms) {
     arm_names_.push_back(arm.name);
-    arms_.push_back(
-        std::make_unique<CorrectedArm>(nh_, private_nh_, params_, arm, live_queue_, model_queue_));
+    arms_.push_back(std::make_unique<CorrectedArm>(nh_, private_nh_, params_, arm, live_queue_,
+                                                   model_queue_, check_queue_));
     all.push_back(arms_.back().get());
   }
   robot_ready_ = params_.robot_state_topic.empty();
@@ -52,6 +69,7 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   offerServices("", all);
   if (arms_.size() > 1)
     for (CorrectedArm* const arm : all) offerServices(arm->ns() + "/", {arm});
+  for (CorrectedArm* const arm : all) offerPreflight(*arm);
   for (const ros::ServiceServer& service : services_)
     registrations_.addService(service.getService());
   registrations_.addService(private_nh_.resolveName("set_parameters"));  // of dynamic_reconfigure
@@ -68,17 +86,27 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
     master_timer_ = slow.createWallTimer(ros::WallDuration(kMasterPeriod),
                                          [this](const ros::WallTimerEvent&) { watchOutput(); });
   }
+  ros::NodeHandle slow(nh_);
+  slow.setCallbackQueue(&master_queue_);
+  topics_timer_ = slow.createWallTimer(ros::WallDuration(kTopicsPeriod),
+                                       [this](const ros::WallTimerEvent&) { lookAtTopics(); });
   live_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &live_queue_);
   live_spinner_->start();
   model_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &model_queue_);
   model_spinner_->start();
   master_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &master_queue_);
   master_spinner_->start();
+  // One that may wait for each arm's pre-flight, and one for the rest.
+  check_spinner_ = std::make_unique<ros::AsyncSpinner>(static_cast<std::uint32_t>(arms_.size() + 1),
+                                                       &check_queue_);
+  check_spinner_->start();
   ROS_INFO("corrector: %s -> %s (%s)", desired_subscriber_.getTopic().c_str(),
            command_publisher_.getTopic().c_str(), params_.pose_type.c_str());
 }
 
 CorrectorNode::~CorrectorNode() {
+  for (const auto& arm : arms_) arm->stop();
+  check_spinner_->stop();
   live_spinner_->stop();
   model_spinner_->stop();
   master_spinner_->stop();
@@ -192,7 +220,7 @@ void CorrectorNode::onDesired(const ros::MessageEvent<Message const>& event) {
   const double compute_time = (ros::SteadyTime::now() - arrival).toSec();
   for (std::size_t i = 0; i < arms_.size(); ++i)
     if (request.arms[i].kind != ArmRequest::Kind::kAbsent)
-      arms_[i]->report(request.stamp, request.arms[i], outputs[i], compute_time);
+      arms_[i]->report(request, now.toSec(), request.arms[i], outputs[i], compute_time);
 }
 
 template void CorrectorNode::onDesired(
@@ -273,6 +301,20 @@ void CorrectorNode::watchOutput() {
               here ? "somebody in this process" : other_publisher_.c_str(), topic.c_str());
 }
 
+/// Topics that have to be there and are not, with what is there instead.
+void CorrectorNode::lookAtTopics() {
+  std::vector<TopicType> published;
+  if (!askTopics(published)) return;
+  const char* const type = params_.pose_type == "RavenCommand" ? "raven_2_msgs/" : "geometry_msgs/";
+  std::vector<TopicType> common{{desired_subscriber_.getTopic(), type + params_.pose_type}};
+  if (robot_state_subscriber_) common.push_back({robot_state_subscriber_.getTopic(), ""});
+  for (const auto& arm : arms_) {
+    std::vector<TopicType> expected = common;
+    for (const TopicType& topic : arm->expectedTopics()) expected.push_back(topic);
+    arm->noteTopics(checkTopics(expected, published));
+  }
+}
+
 /// What cannot be taken is answered with what is in force: the server would keep it, and refuse
 /// every later change with it.
 void CorrectorNode::onTuning(CorrectorConfig& config) {
@@ -296,9 +338,7 @@ void CorrectorNode::offerServices(const std::string& ns, const std::vector<Corre
     response.previous = correctorModeName(arms.front()->mode());
     try {
       const CorrectorMode mode = correctorModeFromName(request.mode);
-      for (CorrectedArm* const arm : arms) arm->setMode(mode);
-      response.success = true;
-      response.message = "mode " + request.mode;
+      response.success = setModes(arms, mode, request.override_preflight, response.message);
     } catch (const InvalidInput& error) {
       response.message = error.what();
     }
@@ -307,12 +347,10 @@ void CorrectorNode::offerServices(const std::string& ns, const std::vector<Corre
   const CorrectorMode on = correctorModeFromName(params_.mode);
   const EnableCallback enable = [arms, on](std_srvs::SetBool::Request& request,
                                            std_srvs::SetBool::Response& response) {
-    response.success = true;
-    response.message =
-        std::string("mode ") + correctorModeName(request.data ? on : CorrectorMode::kOff);
+    response.success =
+        setModes(arms, request.data ? on : CorrectorMode::kOff, false, response.message);
     for (CorrectedArm* const arm : arms) {
-      arm->setMode(request.data ? on : CorrectorMode::kOff);
-      if (request.data && !arm->hasModel())
+      if (response.success && request.data && !arm->hasModel())
         response.message += "; no model yet" + (arm->ns().empty() ? "" : " for " + arm->ns()) +
                             ": poses pass unchanged until the trainer publishes one";
     }
@@ -320,6 +358,19 @@ void CorrectorNode::offerServices(const std::string& ns, const std::vector<Corre
   };
   services_.push_back(private_nh_.advertiseService(ns + "set_mode", set_mode));
   services_.push_back(private_nh_.advertiseService(ns + "enable", enable));
+}
+
+/// Answered by a thread that may wait: what switches the correction off never does.
+void CorrectorNode::offerPreflight(CorrectedArm& arm) {
+  ros::NodeHandle slow(private_nh_);
+  slow.setCallbackQueue(&check_queue_);
+  services_.push_back(slow.advertiseService<Preflight::Request, Preflight::Response>(
+      arm.ns().empty() || arms_.size() == 1 ? "preflight" : arm.ns() + "/preflight",
+      boost::function<bool(Preflight::Request&, Preflight::Response&)>(
+          [&arm](Preflight::Request& request, Preflight::Response& response) {
+            arm.preflight(request, response);
+            return true;
+          })));
 }
 
 }  // namespace raven_correction

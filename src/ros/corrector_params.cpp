@@ -3,12 +3,14 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
 #include <set>
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/params.h"
 #include "raven_correction/ros/pose_command.h"
+#include "raven_correction/ros/pose_subscription.h"
 
 namespace raven_correction {
 namespace {
@@ -31,6 +33,30 @@ void readLimits(ParamReader& read, CorrectorLimits& limits) {
   read.number("robot_max_step", limits.robot.max_step, 0.0, 1.0);
   read.number("robot_max_turn", limits.robot.max_turn, 0.0, 3.1416);
   read.positive("max_measured_age", limits.max_measured_age, 10.0);
+}
+
+void readPreflight(ParamReader& read, CorrectorParams& params) {
+  read.flag("require_preflight", params.require_preflight);
+  read.positive("preflight_duration", params.preflight_duration, 600.0);
+  read.integer("preflight_poses", params.preflight_poses, 10, 100000);
+  read.positive("preflight_factor", params.preflight.factor, 100.0);
+  read.positive("preflight_max_position", params.preflight.max_position, 0.1);
+  read.positive("preflight_max_angle", params.preflight.max_angle, 3.1416);
+  params.preflight.min_poses =
+      std::min<std::size_t>(params.preflight.min_poses,
+                            static_cast<std::size_t>(std::max(1, params.preflight_poses / 5)));
+  std::vector<std::string> types = poseTypes();
+  types.insert(types.begin(), "same");
+  params.mocap_pose_type = "same";
+  read.oneOf("mocap_pose_type", params.mocap_pose_type, types);
+  if (params.mocap_pose_type == "same")
+    params.mocap_pose_type = params.pose_type == kRavenCommand ? "PoseStamped" : params.pose_type;
+  read.text("mocap_frame", params.mocap_frame);
+  read.oneOf("mocap_stamp", params.mocap_stamp, {"header", "receipt"});
+  if (params.require_preflight && params.enabled)
+    read.problem("enabled",
+                 "is true, and so is ~require_preflight: at the start no model has passed a "
+                 "pre-flight; leave one of them out");
 }
 
 /// @param ns  below that of the node; empty: the same
@@ -123,6 +149,7 @@ CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh) {
   read.text("robot_state_topic", params.robot_state_topic);
   read.positive("robot_state_timeout", params.robot_state_timeout, 60.0);
   read.flag("watch_output", params.watch_output);
+  readPreflight(read, params);
 
   params.arms.resize(1);
   if (params.pose_type == kRavenCommand)

@@ -88,6 +88,22 @@ MasterView askMaster(const std::string& topic) {
   return view;
 }
 
+bool askTopics(std::vector<TopicType>& published) {
+  XmlRpc::XmlRpcValue arguments, answer;
+  arguments[0] = ros::this_node::getName();
+  arguments[1] = "";
+  if (!ask("getPublishedTopics", arguments, answer)) return false;
+  published.clear();
+  try {  // [[topic, type], ...]
+    for (int i = 0; i < answer.size(); ++i)
+      published.push_back(
+          {static_cast<std::string>(answer[i][0]), static_cast<std::string>(answer[i][1])});
+  } catch (const XmlRpc::XmlRpcException&) {  // no master answers like that
+    return false;
+  }
+  return true;
+}
+
 std::size_t publishersInThisProcess(const std::string& topic) {
   const ros::PublicationPtr publication = ros::TopicManager::instance()->lookupPublication(topic);
   return publication ? publication->getNumCallbacks() : 0;

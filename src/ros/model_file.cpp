@@ -110,6 +110,7 @@ CorrectionModel modelToMsg(const Correction& model) {
   msg.tool = model.tool;
   msg.units = kUnits;
   msg.pose_type = model.pose_type;
+  if (model.homed_at > 0.0) msg.homed.fromSec(model.homed_at);
   if (model.expires_at > 0.0) msg.expires.fromSec(model.expires_at);
   msg.inputs = model.inputs;
   msg.input_hash = model.input_hash;
@@ -159,6 +160,7 @@ Correction modelFromMsg(const CorrectionModel& msg) {
   model.arm = msg.arm;
   model.tool = msg.tool;
   model.pose_type = msg.pose_type;
+  model.homed_at = msg.homed.toSec();
   model.expires_at = msg.expires.toSec();
   model.inputs = msg.inputs;
   model.input_hash = msg.input_hash;

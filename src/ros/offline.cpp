@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "raven_correction/error.h"
+#include "raven_correction/ros/arm_kinematics.h"
 #include "raven_correction/ros/command_record.h"
 
 namespace raven_correction {
@@ -43,6 +44,25 @@ void writeTextFile(const std::string& file, const std::string& text) {
   out << text;
   out.close();
   if (!out) throw InvalidInput(format("%s: cannot be written", file.c_str()));
+}
+
+CheckedInputs readTrusted(const std::vector<std::string>& inputs,
+                          const std::vector<std::string>& robots, bool ignore) {
+  std::vector<ArmKinematics> arms;
+  if (!robots.empty()) arms = loadArms(robots.front(), {robots.begin() + 1, robots.end()}, "");
+  CheckedInputs checked = readCheckedInputs(inputs, arms);
+  if (!ignore) refuseErrors(checked.findings, "--ignore-checks");
+  for (const StreamFinding& finding : checked.findings)
+    std::fprintf(stderr, "%s\n", toText(finding).c_str());
+  return checked;
+}
+
+void addCheckOptions(CLI::App& command, std::vector<std::string>& robots, bool& ignore) {
+  command.add_option("--robot", robots,
+                     "chain of the arm (config/robots), then of arms that it may be mixed up with: "
+                     "its joints are held against its encoders");
+  command.add_flag("--ignore-checks", ignore,
+                   "go on although the checks of the streams find errors");
 }
 
 void showProgress(const std::string& phase, double fraction) {

@@ -16,6 +16,8 @@ namespace {
 struct Arguments {
   std::vector<std::string> inputs, tests;
   std::string config, json, report;
+  std::vector<std::string> robots;
+  bool ignore_checks = false;
 };
 
 void evaluate(const Arguments& arguments) {
@@ -33,11 +35,16 @@ void evaluate(const Arguments& arguments) {
         stderr);
   ErrorSamples samples;
   if (!arguments.report.empty()) problem.observer = samples.observer();
-  const Dataset dataset = readInputs(arguments.inputs);
+  const CheckedInputs checked =
+      readTrusted(arguments.inputs, arguments.robots, arguments.ignore_checks);
+  const Dataset& dataset = checked.dataset;
   const TableOneResult result =
       arguments.tests.empty()
           ? crossValidate(dataset, problem, showProgress)
-          : evaluateOn(dataset, readInputs(arguments.tests), problem, showProgress);
+          : evaluateOn(
+                dataset,
+                readTrusted(arguments.tests, arguments.robots, arguments.ignore_checks).dataset,
+                problem, showProgress);
   std::fputs(tableOneText(result).c_str(), stdout);
   if (!arguments.json.empty()) writeTextFile(arguments.json, tableOneJson(result));
   if (arguments.report.empty()) return;
@@ -49,6 +56,8 @@ void evaluate(const Arguments& arguments) {
        arguments.config.empty() ? "config/trainer.yaml of the package" : arguments.config},
       {"configuration \"paper\"", "config/trainer_case2014.yaml of the package"},
       {"seed", std::to_string(problem.configurations.back().second.process.seed)}};
+  for (const StreamFinding& finding : checked.findings)
+    run.settings.emplace_back("check of the streams", toText(finding));
   run.configuration = problem.configurations.back().second.text;
   writeTextFile(arguments.report, tableOneHtml(result, samples, streamHealth(dataset), run));
 }
@@ -69,6 +78,7 @@ void addEvaluateCommand(CLI::App& app) {
   command->add_option("--json", arguments->json, "write the numbers as JSON");
   command->add_option("--report", arguments->report,
                       "write the tables as a page with figures (HTML, one file)");
+  addCheckOptions(*command, arguments->robots, arguments->ignore_checks);
   command->callback([arguments] { evaluate(*arguments); });
 }
 

@@ -20,7 +20,8 @@ namespace {
 struct Arguments {
   std::vector<std::string> inputs;
   std::string output, config, hold_out, json, report, simulation;
-  bool force = false;
+  std::vector<std::string> robots;
+  bool force = false, ignore_checks = false;
 };
 
 /// The model is judged on the trajectories that were left out of it. Where none were, one that was
@@ -64,7 +65,9 @@ void train(const Arguments& arguments) {
   if (!arguments.simulation.empty())
     config.simulation =
         std::make_shared<const SimulationConfig>(loadSimulationConfig(arguments.simulation));
-  const Dataset all = readInputs(arguments.inputs);
+  const CheckedInputs inputs =
+      readTrusted(arguments.inputs, arguments.robots, arguments.ignore_checks);
+  const Dataset& all = inputs.dataset;
   constexpr std::size_t kLeast = 3;
   if (!arguments.report.empty() && all.trajectories.size() < kLeast)
     throw InvalidInput(
@@ -75,8 +78,8 @@ void train(const Arguments& arguments) {
       arguments.hold_out.empty() ? all : selectFold(all, parseHoldOut(arguments.hold_out), false);
   const auto now = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::system_clock::now().time_since_epoch());
-  const TrainingResult result =
-      train(dataset, config, static_cast<double>(now.count()), showProgress);
+  TrainingResult result = train(dataset, config, static_cast<double>(now.count()), showProgress);
+  result.model.homed_at = inputs.homed_at;
   writeModelFile(result.model, arguments.output, arguments.force);
   std::printf("model %s written to %s\n", result.model.id.c_str(), arguments.output.c_str());
   // Where trajectories were left out, judging costs nothing; else a page is worth another training.
@@ -84,6 +87,7 @@ void train(const Arguments& arguments) {
   if (!arguments.report.empty() || !arguments.hold_out.empty()) {
     page = pageOf(result, all, dataset, config, arguments.hold_out);
     page->model_file = arguments.output;
+    page->findings = inputs.findings;
   }
   const TrainingPage* const judged = page ? &*page : nullptr;
   std::fputs(trainingText(result, judged).c_str(), stdout);
@@ -119,6 +123,7 @@ void addTrainCommand(CLI::App& app) {
   command->add_option("--report", arguments->report,
                       "write what was learnt as a page with figures (HTML, one file)");
   command->add_flag("--force", arguments->force, "replace the model file if it exists");
+  addCheckOptions(*command, arguments->robots, arguments->ignore_checks);
   command->callback([arguments] { train(*arguments); });
 }
 

@@ -60,23 +60,39 @@ Recorder::Recorder(ros::NodeHandle nh, ros::NodeHandle private_nh, const Recorde
   pose(kCommand, topics::kCommand, params.command_type, &Recorder::onCommand);
   pose(kDesired, topics::kDesired, params.command_type, &Recorder::onDesired);
   pose(kMocap, topics::kMocap, params.mocap_pose_type, &Recorder::onMocap);
-  pose(kEncoder, topics::kEncoder, params.pose_type, &Recorder::onEncoder);
+  // An arm whose state comes in one message has no topics for its parts, or other ones.
+  const bool measured_from_state = !params.robot_state_arm.empty();
+  if (!measured_from_state)
+    pose(kEncoder, topics::kEncoder, params.pose_type, &Recorder::onEncoder);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   const auto joints = [&](Stream stream, const char* topic) {
     streams_[stream].topic = topic;
     streams_[stream].subscriber = nh_.subscribe<sensor_msgs::JointState>(
         topic, queue,
         [this, stream](const sensor_msgs::JointStateConstPtr& message) {
-          record(stream, note(stream), message);
+          onJoints(stream, message);
         },
         ros::VoidConstPtr(), hints);
   };
-  joints(kJoints, topics::kJoints);
+  if (!measured_from_state) joints(kJoints, topics::kJoints);
   joints(kJawCommand, topics::kJawCommand);
   joints(kJaw, topics::kJaw);
   streams_[kEvents].topic = topics::kTrajectoryEvent;
   streams_[kEvents].subscriber =
       nh_.subscribe(topics::kTrajectoryEvent, queue, &Recorder::onEvent, this, hints);
+  if (!params.robot_state_topic.empty())
+    robot_state_subscriber_ = nh_.subscribe<AnyMessage>(
+        params.robot_state_topic, queue,
+        boost::function<void(const ros::MessageEvent<AnyMessage const>&)>(
+            [this](const ros::MessageEvent<AnyMessage const>& event) { onRobotState(event); }),
+        ros::VoidConstPtr(), hints);
+  if (measured_from_state)
+    for (const auto& [stream, topic] :
+         {std::pair{kEncoder, topics::kEncoder}, std::pair{kJoints, topics::kJoints}}) {
+      streams_[stream].topic = topic;
+      streams_[stream].subscriber = robot_state_subscriber_;
+    }
+  startChecks();
   std::string names = "recorder: listens to";
   for (const StreamState& stream : streams_) names += " " + stream.subscriber.getTopic();
   ROS_INFO_STREAM(names << ", publishes " << pairs_publisher_.getTopic());
@@ -143,7 +159,7 @@ void Recorder::onCommand(const geometry_msgs::PoseStampedConstPtr& message) {
   const auto command = withBaseFrame(message);
   record(kCommand, now, command);
   StampedPose sample = stampedPoseFromMsg(*command);
-  const auto X_base_frame = registration_.find(command->header.frame_id);
+  const auto X_base_frame = check(StreamRole::kCommands, now, *command);
   if (!X_base_frame) return warnUnregistered(topics::kCommand, command->header.frame_id);
   sample.pose = *X_base_frame * sample.pose;
   publishPairs(synchroniser_.addCommand(sample));
@@ -154,7 +170,18 @@ void Recorder::onDesired(const geometry_msgs::PoseStampedConstPtr& message) {
 }
 
 void Recorder::onEncoder(const geometry_msgs::PoseStampedConstPtr& message) {
-  record(kEncoder, note(kEncoder), withBaseFrame(message));
+  const ros::Time now = note(kEncoder);
+  const auto measured = withBaseFrame(message);
+  const auto X_base_frame = check(StreamRole::kEncoders, now, *measured);
+  if (X_base_frame) recordRegistration(measured->header.frame_id, *X_base_frame, now);
+  record(kEncoder, now, measured);
+}
+
+void Recorder::onJoints(Stream stream, const sensor_msgs::JointStateConstPtr& message) {
+  const ros::Time now = note(stream);
+  record(stream, now, message);
+  if (stream == kJoints)
+    watch_->addJoints(message->header.stamp.toSec(), now.toSec(), message->name, message->position);
 }
 
 void Recorder::onMocap(const geometry_msgs::PoseStampedConstPtr& message) {
@@ -167,11 +194,8 @@ void Recorder::onMocap(const geometry_msgs::PoseStampedConstPtr& message) {
     if (params_.mocap_stamp == "receipt") completed->header.stamp = now;
     seen = completed;
   }
-  const auto X_base_mocap = registration_.find(seen->header.frame_id);
-  const std::string frame = withoutSlash(seen->header.frame_id);
-  if (X_base_mocap && frame != params_.base_frame &&
-      static_transforms_.setRegistration(params_.base_frame, frame, *X_base_mocap, now))
-    recordStaticTransforms(now);  // before the pose that needs it
+  const auto X_base_mocap = check(StreamRole::kObservations, now, *seen);
+  if (X_base_mocap) recordRegistration(seen->header.frame_id, *X_base_mocap, now);
   record(kMocap, now, seen);
   if (!X_base_mocap) return warnUnregistered(topics::kMocap, seen->header.frame_id);
   unregistered_message_.clear();
@@ -214,6 +238,7 @@ void Recorder::watchClock(const ros::Time& now) {
   last_time_ = now;
   if (!ros::Time::isSimTime() || back < kClockTolerance) return;
   synchroniser_.clear();
+  watch_->clear();
   trajectories_.clear();
   clock_message_ = format(
       "the clock jumped back by %.3f s: samples that waited for their partner "
@@ -282,8 +307,10 @@ std::string Recorder::start(const std::string& name) {
     stream.received = 0;
     stream.order = {};
   }
+  watch_->clear();
   const ros::Time now = ros::Time::now();
   recordParameters(now);
+  recordHoming(now);
   recordStaticTransforms(now);
   return writer_->progress().bag;
 }
@@ -293,6 +320,15 @@ void Recorder::recordParameters(const ros::Time& time) {
   text->data = recorderParametersYaml(params_);
   writer_->pushSticky(
       makeBagRecord<std_msgs::String>(topics::kRecorderParameters, time, text, /*latched=*/true));
+}
+
+/// Before the first pose that needs it.
+void Recorder::recordRegistration(const std::string& frame, const Pose& X_base_frame,
+                                  const ros::Time& now) {
+  const std::string name = withoutSlash(frame);
+  if (name != params_.base_frame &&
+      static_transforms_.setRegistration(params_.base_frame, name, X_base_frame, now))
+    recordStaticTransforms(now);
 }
 
 void Recorder::recordStaticTransforms(const ros::Time& time) {
@@ -313,6 +349,8 @@ bool Recorder::onStart(StartRecording::Request& request, StartRecording::Respons
     response.bag = start(request.bag);
     response.success = true;
     response.message = "writing " + response.bag;
+    for (const std::string& finding : published_.findings)
+      response.message += "; before the start: " + finding;
   } catch (const std::exception& e) {
     response.message = e.what();
   }

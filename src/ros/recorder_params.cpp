@@ -29,6 +29,11 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   read.oneOf("mocap_pose_type", params.mocap_pose_type, mocap_types);
   read.text("mocap_frame", params.mocap_frame);
   read.oneOf("mocap_stamp", params.mocap_stamp, {"header", "receipt"});
+  read.text("robot_state_topic", params.robot_state_topic);
+  read.text("robot_state_arm", params.robot_state_arm);
+  read.text("robot_state_frame", params.robot_state_frame);
+  read.text("robot", params.robot);
+  read.texts("other_robots", params.other_robots);
   read.number("max_gap", params.pairs.max_gap, 0.0, 10.0);
   read.positive("max_gap_periods", params.pairs.max_gap_periods, 100.0);
   read.positive("pair_horizon", params.pairs.horizon, 60.0);
@@ -47,6 +52,10 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   if (params.command_type == "RavenCommand" && params.command_arm.empty())
     throw InvalidInput(
         "recorder: ~command_arm is empty; say which arm of the RavenCommand is recorded, e.g. L");
+  if (!params.robot_state_arm.empty() && params.robot_state_topic.empty())
+    throw InvalidInput(
+        "recorder: ~robot_state_arm is set and ~robot_state_topic is not; give the topic of the "
+        "robot's state, e.g. raven_state or ravenstate");
   if (params.command_type == "same") params.command_type = params.pose_type;
   if (params.mocap_pose_type == "same") params.mocap_pose_type = params.pose_type;
   ROS_INFO_STREAM(read.summary());
@@ -70,6 +79,11 @@ std::string recorderParametersYaml(const RecorderParams& params) {
   add("mocap_pose_type", params.mocap_pose_type);
   add("mocap_frame", params.mocap_frame);
   add("mocap_stamp", params.mocap_stamp);
+  add("robot_state_topic", params.robot_state_topic);
+  add("robot_state_arm", params.robot_state_arm);
+  add("robot_state_frame", params.robot_state_frame);
+  add("robot", params.robot);
+  out << YAML::Key << "other_robots" << YAML::Value << YAML::Flow << params.other_robots;
   add("max_gap", params.pairs.max_gap);
   add("max_gap_periods", params.pairs.max_gap_periods);
   add("pair_horizon", params.pairs.horizon);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the node `recorder` says about itself: its status and its diagnostics.
+#include "raven_correction/error.h"
 #include "raven_correction/ros/recorder.h"
 
 namespace raven_correction {
@@ -41,6 +42,8 @@ RecorderStatus Recorder::status() const {
   status.trajectories = completed_trajectories_;
   status.pairs = pairs_;
   status.out_of_order = out_of_order_;
+  for (const StreamFinding& finding : watch_->findings())
+    status.findings.push_back(toText(finding));
   for (const StreamState& stream : streams_) {
     status.topics.push_back(stream.subscriber.getTopic());
     status.messages.push_back(stream.received);
@@ -54,7 +57,19 @@ void Recorder::publishStatus() {
   status_publisher_.publish(published_);
 }
 
+/// Each kind of finding once, so that the log is readable.
+void Recorder::warnOfFindings() {
+  std::set<std::string> now;
+  for (const StreamFinding& finding : watch_->findings()) {
+    const std::string kind = finding.stream + " " + finding.what;
+    now.insert(kind);
+    if (warned_of_.count(kind) == 0) ROS_WARN("recorder: %s", toText(finding).c_str());
+  }
+  warned_of_ = std::move(now);
+}
+
 void Recorder::onTimer() {
+  warnOfFindings();
   watchClock(ros::Time::now());
   const RecorderStatus now = status();
   const bool changed = now.state != published_.state || now.message != published_.message ||
@@ -77,6 +92,11 @@ void Recorder::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report) {
     report.mergeSummary(DiagnosticStatus::WARN, unregistered_message_);
   if (streams_[kCommand].subscriber.getNumPublishers() > 1)
     report.mergeSummary(DiagnosticStatus::WARN, "more than one node publishes servo_cp");
+
+  for (std::size_t i = 0; i < now.findings.size(); ++i) {
+    report.mergeSummary(DiagnosticStatus::WARN, now.findings[i]);
+    report.add(format("finding %zu", i + 1), now.findings[i]);
+  }
 
   const double interval = since(last_diagnosis_);
   last_diagnosis_ = ros::SteadyTime::now();

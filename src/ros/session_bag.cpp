@@ -5,6 +5,7 @@
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/JointState.h>
+#include <std_msgs/Header.h>
 #include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
@@ -13,16 +14,16 @@
 #include <filesystem>
 #include <limits>
 #include <map>
-#include <regex>
 #include <set>
 
-#include "raven_correction/dataset/dataset_directory.h"
+#include "raven_correction/dataset/topic_check.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/bag_file.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/stamp_order.h"
 #include "raven_correction/ros/topics.h"
+#include "session_parts.h"
 
 namespace raven_correction {
 namespace {
@@ -37,6 +38,9 @@ struct RawStreams {
   std::map<std::string, PoseStream> poses;              ///< by topic
   std::map<std::string, std::set<std::string>> frames;  ///< by topic
   std::map<std::string, StampOrder> order;              ///< by topic
+  std::map<std::string, std::size_t> zero_stamps;       ///< by topic
+  std::vector<double> homed_at;                         ///< [s]
+  std::vector<TopicType> topics;                        ///< that are in the bag
   JointStream joints;
   std::vector<TrajectoryEvent> events;
   tf2::BufferCore registration;
@@ -70,7 +74,11 @@ bool isPoseStream(const std::string& topic) {
 void take(const rosbag::MessageInstance& instance, const Place& place, RawStreams& raw) {
   if (isPoseStream(place.topic)) {
     const auto pose = instance.instantiate<geometry_msgs::PoseStamped>();
-    if (!pose || pose->header.stamp.isZero()) return;  // zero by convention: not valid
+    if (!pose) return;
+    if (pose->header.stamp.isZero()) {  // by convention: not valid
+      ++raw.zero_stamps[place.topic];
+      return;
+    }
     checkOrder(place, pose->header.stamp, raw.order[place.topic]);
     raw.poses[place.topic].push_back(stampedPoseFromMsg(*pose));
     raw.frames[place.topic].insert(withoutSlash(pose->header.frame_id));
@@ -83,6 +91,9 @@ void take(const rosbag::MessageInstance& instance, const Place& place, RawStream
         {joints->header.stamp.toSec(),
          Eigen::Map<const Eigen::VectorXd>(joints->position.data(),
                                            static_cast<Eigen::Index>(joints->position.size()))});
+  } else if (place.topic == topics::kRobotHomed) {
+    const auto homing = instance.instantiate<std_msgs::Header>();
+    if (homing && !homing->stamp.isZero()) raw.homed_at.push_back(homing->stamp.toSec());
   } else if (const auto event = instance.instantiate<TrajectoryEvent>()) {
     raw.events.push_back(*event);
   } else if (const auto tf = instance.instantiate<tf2_msgs::TFMessage>()) {
@@ -104,6 +115,22 @@ std::string frameOf(const std::string& file, const char* topic, const RawStreams
                "name it, or set the recorder's mocap_frame",
                file.c_str(), topic));
   return *frames.begin();
+}
+
+/// Puts encoder poses of another frame into the base frame; without a registration they are of no
+/// use.
+void registerEncoders(const std::string& file, const std::string& base, RawStreams& raw) {
+  PoseStream& encoders = raw.poses[topics::kEncoder];
+  if (encoders.empty()) return;
+  const std::string frame = frameOf(file, topics::kEncoder, raw);
+  if (frame == base) return;
+  try {
+    const Pose X_base_frame =
+        poseFromMsg(raw.registration.lookupTransform(base, frame, ros::Time(0)).transform);
+    for (StampedPose& sample : encoders) sample.pose = X_base_frame * sample.pose;
+  } catch (const tf2::TransformException&) {
+    encoders.clear();
+  }
 }
 
 /// Puts observations of another frame into the base frame.
@@ -194,6 +221,8 @@ void readMessages(const std::string& file, RawStreams& raw) {
   if (!fs::is_regular_file(file)) throw InvalidInput(format("%s: no such file", file.c_str()));
   try {
     rosbag::Bag bag(file, rosbag::bagmode::Read);
+    for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections())
+      raw.topics.push_back({withoutSlash(connection->topic), connection->datatype});
     std::map<std::string, std::size_t> count;  // by topic
     for (const rosbag::MessageInstance& instance : rosbag::View(bag)) {
       const std::string topic = withoutSlash(instance.getTopic());
@@ -211,21 +240,39 @@ void readMessages(const std::string& file, RawStreams& raw) {
 
 namespace {
 
-/// One session, in the parts into which the recorder split it.
-Session readParts(const std::vector<std::string>& parts) {
+/// @throws InvalidInput  always: a stream is missing, with what is there instead
+void refuseMissing(const std::string& file, const char* topic, const RawStreams& raw) {
+  const auto zero = raw.zero_stamps.find(topic);
+  if (zero != raw.zero_stamps.end())
+    throw InvalidInput(
+        format("%s: %s: all %zu stamps are zero, which means: not valid; let the driver fill the "
+               "header, or set the recorder's mocap_stamp: receipt",
+               file.c_str(), topic, zero->second));
+  std::string text = format("%s: no message on %s", file.c_str(), topic);
+  for (const StreamFinding& finding :
+       checkTopics({{topic, "geometry_msgs/PoseStamped"}}, raw.topics))
+    text += finding.what == "missing"
+                ? format("; %s (in the recorder's launch file)", finding.remedy.c_str())
+                : format(": %s, not %s", finding.measured.c_str(), finding.limit.c_str());
+  throw InvalidInput(text + "; `rosbag info` lists what was recorded");
+}
+
+}  // namespace
+
+Session readSessionParts(const std::vector<std::string>& parts) {
   const std::string& file = parts.front();  // for messages
   RawStreams raw;
   for (const std::string& part : parts) readMessages(part, raw);
   for (const char* const topic : {topics::kCommand, topics::kMocap})
-    if (raw.poses[topic].empty())
-      throw InvalidInput(format("%s: no message on %s; `rosbag info` lists what was recorded",
-                                file.c_str(), topic));
+    if (raw.poses[topic].empty()) refuseMissing(file, topic, raw);
   const std::string base = frameOf(file, topics::kCommand, raw);
-  if (!raw.poses[topics::kEncoder].empty() && frameOf(file, topics::kEncoder, raw) != base)
-    raw.poses[topics::kEncoder].clear();  // of no use here: another frame, and no registration
+  registerEncoders(file, base, raw);
   registerObservations(file, base, raw);
 
   Session session;
+  std::sort(raw.homed_at.begin(), raw.homed_at.end());
+  raw.homed_at.erase(std::unique(raw.homed_at.begin(), raw.homed_at.end()), raw.homed_at.end());
+  session.homed_at = raw.homed_at;
   session.dataset.source = file;
   session.dataset.name = fs::path(file).stem().string();
   session.dataset.frame = base;
@@ -248,33 +295,7 @@ Session readParts(const std::vector<std::string>& parts) {
   return session;
 }
 
-/// Parts NAME_0.bag, NAME_1.bag, ... of one recording together and by number, everything else
-/// alone; in the order in which the first of each was given.
-std::vector<std::vector<std::string>> groupParts(const std::vector<std::string>& paths) {
-  static const std::regex kPart("(.*)_([0-9]+)\\.bag");
-  std::vector<std::vector<std::string>> groups;
-  std::map<std::string, std::size_t> group_of;
-  for (const std::string& path : paths) {
-    std::smatch match;
-    if (!std::regex_match(path, match, kPart)) {
-      groups.push_back({path});
-      continue;
-    }
-    const auto [place, is_new] = group_of.emplace(match[1].str(), groups.size());
-    if (is_new) groups.emplace_back();
-    groups[place->second].push_back(path);
-  }
-  // The recorder writes numbers without leading zeros: the longer name is the later part.
-  for (std::vector<std::string>& group : groups)
-    std::sort(group.begin(), group.end(), [](const std::string& a, const std::string& b) {
-      return a.size() != b.size() ? a.size() < b.size() : a < b;
-    });
-  return groups;
-}
-
-}  // namespace
-
-Session readSessionBag(const std::string& file) { return readParts({file}); }
+Session readSessionBag(const std::string& file) { return readSessionParts({file}); }
 
 bool holdsSession(const std::string& file) {
   try {
@@ -284,60 +305,6 @@ bool holdsSession(const std::string& file) {
   } catch (const rosbag::BagException&) {
   }
   return false;
-}
-
-Dataset readInput(const std::string& path) {
-  if (fs::is_directory(path)) return readDatasetDirectory(path);
-  if (!fs::exists(path))
-    throw InvalidInput(
-        format("%s: neither a bag nor a data set directory; is the name right?", path.c_str()));
-  return readSessionBag(path).dataset;
-}
-
-std::vector<std::string> inputsNamed(const std::vector<std::string>& names,
-                                     const std::string& directory) {
-  std::vector<std::string> inputs;
-  for (const std::string& name : names) {
-    const std::string path = expandHome(name);
-    inputs.push_back(fs::path(path).is_relative() && !fs::exists(path)
-                         ? (fs::path(directory) / path).string()
-                         : path);
-  }
-  if (!inputs.empty()) return inputs;
-  if (fs::is_directory(directory))
-    for (const auto& entry : fs::directory_iterator(directory))
-      if (entry.path().extension() == ".bag" && holdsSession(entry.path().string()))
-        inputs.push_back(entry.path().string());
-  if (inputs.empty())
-    throw InvalidInput(format("no bag in %s; record a session first, or name the bags in the call",
-                              directory.c_str()));
-  std::sort(inputs.begin(), inputs.end());
-  return inputs;
-}
-
-Dataset readInputs(const std::vector<std::string>& paths) {
-  if (paths.empty()) throw InvalidInput("no input; give bags or data set directories");
-  const std::vector<std::vector<std::string>> groups = groupParts(paths);
-  const auto read = [](const std::vector<std::string>& group) {
-    return group.size() == 1 ? readInput(group.front()) : readParts(group).dataset;
-  };
-  Dataset all = read(groups.front());
-  for (std::size_t i = 1; i < groups.size(); ++i) {
-    Dataset more = read(groups[i]);
-    if (more.frame != all.frame)
-      throw InvalidInput(format("%s: poses are in frame \"%s\", those of %s in \"%s\"",
-                                more.source.c_str(), more.frame.c_str(), all.source.c_str(),
-                                all.frame.c_str()));
-    all.source += ", " + more.source;
-    std::set<std::string> known;
-    for (const Trajectory& trajectory : all.trajectories) known.insert(trajectory.id);
-    for (Trajectory& trajectory : more.trajectories) {
-      if (known.count(trajectory.id)) trajectory.id = more.name + "/" + trajectory.id;
-      all.trajectories.push_back(std::move(trajectory));
-    }
-  }
-  sortByStart(all);
-  return all;
 }
 
 namespace {

@@ -7,6 +7,7 @@
 
 #include "raven_correction/TrainingSamples.h"
 #include "raven_correction/error.h"
+#include "raven_correction/ros/arm_kinematics.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/names.h"
@@ -69,6 +70,8 @@ TrainerParams loadTrainerParams(const ros::NodeHandle& nh) {
   read.text("arm", params.arm);
   read.text("tool", params.tool);
   read.text("pose_type", params.pose_type);
+  read.text("robot", params.robot);
+  read.texts("other_robots", params.other_robots);
   read.number("valid_hours", params.valid_hours, 0.0, 1e5);
   read.refuseUnknownKeys();
   read.throwIfAnyProblem();
@@ -86,7 +89,9 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
       private_nh_(private_nh),
       params_(loadTrainerParams(private_nh)),
       work_(private_nh_, "a training", "~retrain") {
-  loadTrainingConfig(params_.configuration);  // a mistake in it is better found now than later
+  // Mistakes in files are better found now than later.
+  loadTrainingConfig(params_.configuration);
+  loadArms(params_.robot, params_.other_robots, "");
   model_publisher_ = nh_.advertise<CorrectionModel>(topics::kModel, 1, true);
   samples_publisher_ = nh_.advertise<TrainingSamples>(topics::kSamples, 1, true);
   report_publisher_ = private_nh_.advertise<TrainingReport>("report", 1, true);
@@ -131,6 +136,7 @@ void TrainerNode::publishReport(const ValidatedTraining& result,
   report.delay = response.delay;
   report.pairs_total = response.pairs_total;
   report.pairs_kept = response.pairs_kept;
+  report.findings = response.findings;
   const FateCounts& fates = result.training.fates;
   for (std::size_t i = 1; i < fates.count.size(); ++i) {
     if (fates.count[i] == 0) continue;
@@ -150,6 +156,20 @@ void TrainerNode::publishReport(const ValidatedTraining& result,
   report_publisher_.publish(report);
 }
 
+/// Checks before trust: what is learnt from a recording with an error in it is not to be used.
+/// @throws InvalidInput  there is one, and the request does not force it
+CheckedInputs TrainerNode::readChecked(const Retrain::Request& request,
+                                       Retrain::Response& response) const {
+  CheckedInputs inputs = readCheckedInputs(inputsNamed(request.bags, params_.data_directory),
+                                           loadArms(params_.robot, params_.other_robots, ""));
+  for (const StreamFinding& finding : inputs.findings) {
+    response.findings.push_back(toText(finding));
+    ROS_WARN("trainer: %s", response.findings.back().c_str());
+  }
+  if (!request.force) refuseErrors(inputs.findings, "force: true in the call of ~retrain");
+  return inputs;
+}
+
 void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& response) {
   work_.report("reading", 0.0);
   TrainingConfig config = loadTrainingConfig(
@@ -159,7 +179,8 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
         loadSimulationConfig(expandHome(request.simulation)));
   if (!request.dry_run && !request.output.empty())
     checkOutputFile(expandHome(request.output), false);  // now, not after the training
-  const Dataset dataset = readInputs(inputsNamed(request.bags, params_.data_directory));
+  const CheckedInputs inputs = readChecked(request, response);
+  const Dataset& dataset = inputs.dataset;
   Correction before;
   bool has_before = false;
   {
@@ -175,6 +196,7 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
                        });
   Correction model = result.training.model;
   identify(model);
+  model.homed_at = inputs.homed_at;
   response.model = model.id;
   response.delay = model.delay;
   response.pairs_total = static_cast<std::uint32_t>(result.training.fates.total());
@@ -224,6 +246,7 @@ bool TrainerNode::onRetrain(Retrain::Request& request, Retrain::Response& respon
     TrainingReport report;
     report.header.stamp = ros::Time::now();
     report.message = result.message;
+    report.findings = response.findings;
     report_publisher_.publish(report);
   }
   ROS_INFO("trainer: %s", response.message.c_str());

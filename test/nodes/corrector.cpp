@@ -100,10 +100,25 @@ TEST_F(NodesTest, TheWholeJob) {
       << "process: {criterion: validation, length_scales: per_vector, grouping: shared,\n"
          "          max_hyper_points: 200, max_exact_points: 800, variance_points: 200,\n"
          "          backend: exact}\n";
+  // Recordings that cannot be trusted are not learnt from, and the text says what is wrong.
+  Dataset millimetres = session;
+  for (Trajectory& trajectory : millimetres.trajectories)
+    for (StampedPose& sample : trajectory.observations) sample.pose.p *= 1e3;
+  writeSessionBag(millimetres, directory() + "/data/millimetres.bag");
+  retrain.request.bags = {"millimetres.bag"};
+  retrain = call("trainer/retrain", retrain);
+  EXPECT_FALSE(retrain.response.success);
+  EXPECT_NE(retrain.response.message.find("not to be trusted"), std::string::npos)
+      << retrain.response.message;
+  ASSERT_EQ(retrain.response.findings.size(), 1u);
+  EXPECT_NE(retrain.response.findings[0].find("millimetres"), std::string::npos);
+  EXPECT_TRUE(probe_.until([&] { return last_report_.findings == retrain.response.findings; }));
+
   retrain.request.bags = {"session.bag"};  // relative to the data directory
   retrain.request.configuration = directory() + "/quick.yaml";
   retrain = call("trainer/retrain", retrain);
   ASSERT_TRUE(retrain.response.success) << retrain.response.message;
+  EXPECT_TRUE(retrain.response.findings.empty()) << retrain.response.findings[0];
   EXPECT_TRUE(retrain.response.live);
   EXPECT_LT(retrain.response.position_after_mm, 0.25 * retrain.response.position_before_mm);
   ASSERT_EQ(retrain.response.files.size(), 1u);

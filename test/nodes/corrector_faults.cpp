@@ -11,9 +11,9 @@
 #include <optional>
 #include <thread>
 
-#include "raven_correction/ros/raw_message.h"
 #include "support/corrector_probe.h"
 #include "support/node_main.h"
+#include "support/operating_state.h"
 #include "support/simple_model.h"
 
 namespace raven_correction {
@@ -415,29 +415,6 @@ TEST_F(CorrectorFaults, DiagnosticsSayRateLatencyAndModel) {
 }
 
 // --- the Raven's CRTK branch: empty frames, its own limits, its state ----------------------------
-
-struct OperatingStateType {
-  static const char* datatype() { return "crtk_msgs/operating_state"; }
-  static const char* md5sum() { return "b1bd4021639d9d9c5fbfff78d6ff3158"; }
-  static const char* definition() { return ""; }
-};
-
-RawMessage<OperatingStateType> operatingState(const std::string& state, bool homed) {
-  RawMessage<OperatingStateType> message;
-  const auto put = [&](std::uint32_t value) {
-    for (int i = 0; i < 4; ++i)
-      message.bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i) & 0xff));
-  };
-  put(1);  // seq
-  put(2);  // stamp
-  put(3);
-  put(0);  // frame_id
-  put(static_cast<std::uint32_t>(state.size()));
-  message.bytes.insert(message.bytes.end(), state.begin(), state.end());
-  message.bytes.push_back(homed);
-  message.bytes.push_back(0);
-  return message;
-}
 
 const Pose kInBox{{0.01, 0.01, -0.03}, kInside.q};
 const std::optional<Pose> kAtCommand;

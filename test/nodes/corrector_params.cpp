@@ -53,6 +53,14 @@ TEST_F(CorrectorParamsTest, TheShippedFileHoldsTheDefaults) {
   EXPECT_EQ(shipped.limits.max_rotation_rate, defaults.limits.max_rotation_rate);
   EXPECT_EQ(shipped.limits.max_step_time, defaults.limits.max_step_time);
   EXPECT_EQ(shipped.limits.max_measured_age, defaults.limits.max_measured_age);
+  EXPECT_EQ(shipped.require_preflight, defaults.require_preflight);
+  EXPECT_EQ(shipped.preflight_duration, defaults.preflight_duration);
+  EXPECT_EQ(shipped.preflight_poses, defaults.preflight_poses);
+  EXPECT_EQ(shipped.preflight.factor, defaults.preflight.factor);
+  EXPECT_EQ(shipped.preflight.max_position, defaults.preflight.max_position);
+  EXPECT_EQ(shipped.preflight.max_angle, defaults.preflight.max_angle);
+  EXPECT_EQ(shipped.mocap_pose_type, defaults.mocap_pose_type);
+  EXPECT_EQ(shipped.mocap_stamp, defaults.mocap_stamp);
   ASSERT_EQ(shipped.arms.size(), 1u);
   EXPECT_EQ(shipped.arms[0].ns, "");
 }
@@ -68,6 +76,8 @@ TEST_F(CorrectorParamsTest, TheFilesForRobotsHoldTheirLimits) {
   EXPECT_GT(berkeley.robot.max_step, 0.0);
   EXPECT_GT(berkeley.robot.max_turn, 0.0);
   EXPECT_GT(berkeley.max_measured_age, 2.0 * 0.1) << "two poses at 10 Hz";
+  for (const char* const robot : {"/crtk", "/berkeley"})
+    EXPECT_TRUE(loadCorrectorParams(ros::NodeHandle(robot)).require_preflight) << robot;
 }
 
 TEST_F(CorrectorParamsTest, OneArmHasTheParametersOfTheNode) {
@@ -112,6 +122,13 @@ TEST_F(CorrectorParamsTest, EachOfTwoArmsSaysWhoseModelsItTakes) {
   EXPECT_TRUE(complainsOf("right/arm", "is missing")) << problems();
   nh_.setParam("right/arm", "");
   EXPECT_TRUE(complainsOf("right/arm", "is missing")) << problems();
+}
+
+TEST_F(CorrectorParamsTest, EnabledAtTheStartContradictsAPreflight) {
+  nh_.setParam("enabled", true);
+  EXPECT_EQ(problems(), "");
+  nh_.setParam("require_preflight", true);
+  EXPECT_TRUE(complainsOf("enabled", "no model has passed a pre-flight")) << problems();
 }
 
 TEST_F(CorrectorParamsTest, AllProblemsAreListedAtOnce) {

@@ -8,11 +8,13 @@
 
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <map>
 #include <mutex>
 
 #include "raven_correction/CorrectionModel.h"
 #include "raven_correction/CorrectionStatus.h"
+#include "raven_correction/Preflight.h"
 #include "raven_correction/Retrain.h"
 #include "raven_correction/RunPlanner.h"
 #include "raven_correction/SetMode.h"
@@ -126,6 +128,26 @@ TEST_F(Demo, RecordsLearnsCorrectsAndComesCloser) {
   EXPECT_LT(learnt.position_after_mm, learnt.position_before_mm);
   EXPECT_TRUE(waitFor([&] { return seen(model) == learnt.model; }, kLimit));
   for (const std::string& file : learnt.files) EXPECT_TRUE(std::filesystem::exists(file)) << file;
+
+  // Nothing is switched on before a few moves have shown that the model is valid for this robot.
+  std_srvs::SetBool::Request too_early;
+  too_early.data = true;
+  std_srvs::SetBool::Response refused;
+  ASSERT_TRUE(ros::service::call(nh.resolveName("corrector/enable"), too_early, refused));
+  EXPECT_FALSE(refused.success) << refused.message;
+  auto preflight = std::async(std::launch::async, [&] {
+    Preflight::Request request;
+    request.duration = 120.0;
+    return call<Preflight>("corrector/preflight", request);
+  });
+  RunPlanner::Request moves;
+  moves.trajectories = 10;
+  moves.seed = 13;
+  call<RunPlanner>("planner/run", moves);
+  const Preflight::Response judged = preflight.get();
+  EXPECT_TRUE(judged.passed) << judged.message;
+  EXPECT_EQ(judged.model, learnt.model);
+  EXPECT_TRUE(judged.findings.empty()) << judged.findings[0];
 
   SetMode::Request mode;
   mode.mode = "full";

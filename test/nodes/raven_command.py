@@ -198,7 +198,7 @@ class RavenCommandTest(unittest.TestCase):
         cls.set_mode = staticmethod(rospy.ServiceProxy("/raven/corrector/set_mode", SetMode))
         cls.wait(lambda: cls.publisher.get_num_connections() >= 1)
         # Until the models have arrived and every connection stands.
-        cls.set_mode("full")
+        cls.set_mode(mode="full")
         deadline = rospy.get_time() + 30
         while rospy.get_time() < deadline:
             cls.exchange(command([("L", random_arm(random)), ("R", random_arm(random))]), strict=False)
@@ -244,7 +244,7 @@ class RavenCommandTest(unittest.TestCase):
                                                  if cls.statuses[arm]}
 
     def setUp(self):
-        self.set_mode("full")
+        self.set_mode(mode="full")
         self.generator = random.Random(7)
 
     def arms(self, left=ABSOLUTE, right=ABSOLUTE, active=(True, True)):
@@ -278,7 +278,7 @@ class RavenCommandTest(unittest.TestCase):
                          PUBLISHED_MD5)
 
     def test_off_forwards_the_same_bytes(self):
-        self.set_mode("off")
+        self.set_mode(mode="off")
         # Once, to take the correction back.
         self.exchange(command(self.arms()))
         for _ in range(50):
@@ -381,7 +381,7 @@ class RavenCommandTest(unittest.TestCase):
 
     def test_one_arm_can_be_switched_off_alone(self):
         set_left = rospy.ServiceProxy("/raven/corrector/left/set_mode", SetMode)
-        self.assertTrue(set_left("off").success)
+        self.assertTrue(set_left(mode="off").success)
         self.exchange(command(self.arms()))
         message = command(self.arms())
         sent, got, codes = self.exchange(message)

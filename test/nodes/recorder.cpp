@@ -249,6 +249,39 @@ TEST(RecorderNode, KeepsRecordingWhatItCannotRegisterAndSaysSo) {
   EXPECT_EQ(read<geometry_msgs::PoseStamped>(stopped.bags, "mocap/measured_cp").size(), 10u);
 }
 
+TEST(RecorderNode, SaysWhichStreamIsMissingAndWhatIsThereInstead) {
+  Arm arm("/raven/left");
+  const ros::Publisher other = arm.nh.advertise<geometry_msgs::PoseStamped>("tracker/pose", 10);
+  const auto said = [&](const std::string& text) {
+    return arm.until([&] {
+      for (const std::string& finding : arm.status().findings)
+        if (finding.find(text) != std::string::npos) return true;
+      return false;
+    });
+  };
+  EXPECT_TRUE(said("/raven/left/mocap/measured_cp: missing"));
+  EXPECT_TRUE(said("there is /raven/left/tracker/pose [geometry_msgs/PoseStamped]"));
+  // Published in another type is as good as missing.
+  const ros::Publisher wrong =
+      arm.nh.advertise<geometry_msgs::TransformStamped>("mocap/measured_cp", 10);
+  EXPECT_TRUE(
+      said("/raven/left/mocap/measured_cp: type: it is published as "
+           "geometry_msgs/TransformStamped"));
+}
+
+TEST(RecorderNode, SaysThatPosesAreInMillimetres) {
+  Arm arm("/raven/left");
+  auto seen = arm.advertise<geometry_msgs::PoseStamped>("mocap/measured_cp");
+  EXPECT_TRUE(arm.until([&] {
+    Pose pose = screw(0.0);
+    pose.p *= 1e3;
+    seen.publish(stampedPoseToMsg(ros::Time::now().toSec(), pose, "0_link"));
+    for (const std::string& finding : arm.status().findings)
+      if (finding.find("millimetres") != std::string::npos) return true;
+    return false;
+  }));
+}
+
 TEST(RecorderNode, ConvertsTheMessagesOfTheRavenBranch) {
   Arm arm("/raven/right");
   EXPECT_TRUE(arm.until([&] { return arm.status().state == RecorderStatus::RECORDING; }));

@@ -3,8 +3,10 @@
 // messages from a pool, percentiles of the latency. None of it allocates.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <set>
 
+#include "raven_correction/ros/arm_observer.h"
 #include "raven_correction/ros/latency_histogram.h"
 #include "raven_correction/ros/message_pool.h"
 #include "raven_correction/ros/pose_command.h"
@@ -40,6 +42,25 @@ TEST(MessagePool, GivesWhatNobodyHoldsAndTheLivePathDoesNotAllocate) {
     holders.push_back(pool.next());
     EXPECT_TRUE(held.insert(holders.back().get()).second) << i;
   }
+}
+
+TEST(LiveQueue, TakesSamplesWithoutAllocationAndLeavesOutWhatFindsNoRoom) {
+  const auto queue = std::make_unique<LiveQueue>();
+  LiveSample sample;
+  std::size_t taken = 0;
+  {
+    const AllocationGuard guard;
+    for (int i = 0; i < 5000; ++i) {
+      sample.stamp = i;
+      sample.setFrame("a_frame_whose_name_is_longer_than_there_is_room_for_in_a_sample");
+      taken += queue->push(sample) ? 1 : 0;
+    }
+    EXPECT_EQ(guard.count(), 0);
+  }
+  EXPECT_EQ(taken, 4096u);
+  ASSERT_TRUE(queue->pop(sample));
+  EXPECT_EQ(sample.stamp, 0.0) << "the oldest first";
+  EXPECT_EQ(std::string(sample.frame.data()).size(), sample.frame.size() - 1);
 }
 
 TEST(LatencyHistogram, PercentilesAreRightToTheWidthOfTheirClass) {

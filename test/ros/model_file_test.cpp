@@ -30,11 +30,15 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
       written.motion.play_length = 0.025;
       written.motion.play_angle = 0.4;
     }
+    written.homed_at = 900.5;
+    written.expires_at = 5000.25;
     writeModelFile(written, file, true);
     const Correction read = readModelFile(file);
     EXPECT_EQ(read.id, written.id);
     EXPECT_EQ(read.delay, written.delay);
     EXPECT_EQ(read.trained_at, written.trained_at);
+    EXPECT_EQ(read.homed_at, written.homed_at);
+    EXPECT_EQ(read.expires_at, written.expires_at);
     EXPECT_EQ(read.rigid.p, written.rigid.p);
     EXPECT_EQ(read.rigid.q.coeffs(), written.rigid.q.coeffs());
     EXPECT_EQ(read.mean_orientation.coeffs(), written.mean_orientation.coeffs());

@@ -457,6 +457,32 @@ TEST_F(OfflineTest, StampsOutOfOrderAreRefusedInBagsAndDirectories) {
   EXPECT_FALSE(fs::exists(model_));
 }
 
+TEST_F(OfflineTest, RecordingsThatCannotBeTrustedAreRefusedUnlessForced) {
+  Dataset dataset = readDatasetDirectory(session_);
+  for (Trajectory& trajectory : dataset.trajectories)
+    for (StampedPose& sample : trajectory.observations) sample.stamp -= 0.5;
+  const std::string early = folder_.path() + "/early";
+  writeDatasetDirectory(dataset, early);
+  for (const char* const command : {"train", "evaluate"}) {
+    std::vector<std::string> words{command, early, "--config", config_};
+    if (command == std::string("train")) words.insert(words.end(), {"-o", model_});
+    const Outcome refused = offline(words);
+    expectRefused(refused, "error: observations: clock");
+    expectRefused(refused, "--ignore-checks");
+    EXPECT_FALSE(fs::exists(model_));
+  }
+  // Joints of the other arm: named where both robots are.
+  const std::string left = "config/robots/raven2_left.yaml";
+  const std::string right = "config/robots/raven2_right.yaml";
+  expectRefused(offline({"train", session_, "-o", model_, "--config", config_, "--robot", right,
+                         "--robot", left}),
+                "the arms are mixed up");
+  const Outcome forced = offline({"train", session_, "-o", model_, "--config", config_, "--robot",
+                                  right, "--robot", left, "--ignore-checks"});
+  EXPECT_EQ(forced.code, 0) << forced.text;
+  EXPECT_NE(forced.text.find("the arms are mixed up"), std::string::npos) << forced.text;
+}
+
 TEST_F(OfflineTest, FewerThanFiveTrajectoriesCannotBeEvaluated) {
   const std::string small = folder_.path() + "/small";
   ASSERT_EQ(offline({"simulate", "--trajectories", "4", "-o", small, "--simulation",

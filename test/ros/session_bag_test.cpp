@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <raven_correction/TrajectoryEvent.h>
 #include <rosbag/bag.h>
+#include <std_msgs/Header.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include "raven_correction/error.h"
@@ -118,6 +119,76 @@ TEST_F(SessionBag, FramesThatCannotBeTrustedAreRefused) {
   streams(lost, 10.0, 12.0, "0_link", "mocap");
   lost.close();
   EXPECT_NE(complaint({path("lost.bag")}).find("no registration of \"mocap\""), std::string::npos);
+}
+
+TEST_F(SessionBag, AStreamThatIsMissingIsNamedWithWhatIsThereInstead) {
+  rosbag::Bag bag(path("s.bag"), rosbag::bagmode::Write);
+  for (int i = 0; i < 20; ++i) {
+    const double t = 10.0 + 0.1 * i;
+    bag.write(topics::kCommand, ros::Time(t), stampedPoseToMsg(t, poseAtTime(t), "0_link"));
+    bag.write("phasespace_gripper_pose_L", ros::Time(t),
+              stampedPoseToMsg(t, poseAtTime(t), "0_link"));
+  }
+  bag.close();
+  const std::string text = complaint({path("s.bag")});
+  EXPECT_NE(text.find("no message on mocap/measured_cp"), std::string::npos) << text;
+  EXPECT_NE(text.find("phasespace_gripper_pose_L [geometry_msgs/PoseStamped]"), std::string::npos)
+      << text;
+}
+
+TEST_F(SessionBag, StampsThatAreAllZeroAreNamed) {
+  rosbag::Bag bag(path("s.bag"), rosbag::bagmode::Write);
+  for (int i = 0; i < 20; ++i) {
+    const double t = 10.0 + 0.1 * i;
+    bag.write(topics::kCommand, ros::Time(t), stampedPoseToMsg(t, poseAtTime(t), "0_link"));
+    bag.write(topics::kMocap, ros::Time(t), stampedPoseToMsg(0.0, poseAtTime(t), "0_link"));
+  }
+  bag.close();
+  const std::string text = complaint({path("s.bag")});
+  EXPECT_NE(text.find("all 20 stamps are zero"), std::string::npos) << text;
+  EXPECT_NE(text.find("mocap_stamp: receipt"), std::string::npos) << text;
+}
+
+TEST_F(SessionBag, HomingsAreKnownAndOneInTheMiddleIsAWarning) {
+  rosbag::Bag bag(path("s.bag"), rosbag::bagmode::Write);
+  for (const double homed : {8.0, 15.0}) {
+    std_msgs::Header homing;
+    homing.stamp = ros::Time(homed);
+    bag.write(topics::kRobotHomed, homing.stamp, homing);
+  }
+  for (const double start : {10.0, 20.0}) {
+    event(bag, start, "t" + std::to_string(start), TrajectoryEvent::START);
+    streams(bag, start, start + 2.0, "0_link", "0_link");
+    event(bag, start + 2.0, "t" + std::to_string(start), TrajectoryEvent::END);
+  }
+  registration(bag);
+  bag.close();
+  EXPECT_EQ(readSessionBag(path("s.bag")).homed_at, (std::vector<double>{8.0, 15.0}));
+  const CheckedInputs inputs = readCheckedInputs({path("s.bag")}, {});
+  EXPECT_EQ(inputs.homed_at, 15.0);
+  bool said = false;
+  for (const StreamFinding& finding : inputs.findings) said |= finding.what == "homing";
+  EXPECT_TRUE(said);
+}
+
+TEST_F(SessionBag, EncodersOfAnotherFrameAreRegisteredOrLeftOut) {
+  for (const bool registered : {true, false}) {
+    const std::string file = path(registered ? "known.bag" : "unknown.bag");
+    rosbag::Bag bag(file, rosbag::bagmode::Write);
+    streams(bag, 10.0, 12.0, "0_link", "0_link");
+    for (int i = 0; i < 20; ++i) {
+      const double t = 10.0 + 0.1 * i;
+      bag.write(topics::kEncoder, ros::Time(t),
+                stampedPoseToMsg(t, X_base_mocap.inverse() * poseAtTime(t), "mocap"));
+    }
+    if (registered) registration(bag);
+    bag.close();
+    const Dataset dataset = readInputs({file});
+    ASSERT_EQ(dataset.trajectories.size(), 1u);
+    ASSERT_EQ(dataset.trajectories[0].encoders.empty(), !registered);
+    for (const StampedPose& sample : dataset.trajectories[0].encoders)
+      EXPECT_LT((sample.pose.p - poseAtTime(sample.stamp).p).norm(), 1e-12);
+  }
 }
 
 TEST_F(SessionBag, EventsOfAnotherClockAreNamed) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "raven_correction/correction/training.h"
+#include "raven_correction/dataset/stream_finding.h"
 #include "raven_correction/dataset/stream_health.h"
 #include "raven_correction/evaluation/validated_training.h"
 #include "raven_correction/evaluation/workspace_coverage.h"
@@ -22,6 +23,7 @@ struct TrainingPage {
   std::optional<SimulationOverlap> overlap;  ///< of the simulation with them; empty: not looked
   WorkspaceCoverage coverage;
   std::vector<StreamHealth> streams;
+  std::vector<StreamFinding> findings;  ///< of the checks of the streams
 };
 
 /// Whether the errors on trajectories left out are errors on trajectories not seen: a simulation

@@ -8,6 +8,7 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <raven_correction/CorrectionModel.h>
 #include <raven_correction/CorrectionStatus.h>
+#include <raven_correction/Preflight.h>
 #include <raven_correction/SetMode.h>
 #include <ros/callback_queue_interface.h>
 #include <ros/ros.h>
@@ -21,10 +22,13 @@
 #include <string>
 
 #include "raven_correction/correction/corrector.h"
+#include "raven_correction/dataset/topic_check.h"
+#include "raven_correction/ros/arm_observer.h"
 #include "raven_correction/ros/corrector_params.h"
 #include "raven_correction/ros/latency_histogram.h"
 #include "raven_correction/ros/message_pool.h"
 #include "raven_correction/ros/pose_command.h"
+#include "raven_correction/ros/preflight_gate.h"
 
 namespace raven_correction {
 
@@ -34,10 +38,12 @@ class CorrectedArm {
   /// @param private_nh  of the node
   /// @param live_queue   of the thread that handles poses
   /// @param model_queue  of the thread that takes models in, which may need seconds
+  /// @param check_queue  of threads that may wait: checks and pre-flights
   /// @throws InvalidInput  a file of the arm cannot be used
   CorrectedArm(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh,
                const CorrectorParams& params, const CorrectedArmParams& arm,
-               ros::CallbackQueueInterface& live_queue, ros::CallbackQueueInterface& model_queue);
+               ros::CallbackQueueInterface& live_queue, ros::CallbackQueueInterface& model_queue,
+               ros::CallbackQueueInterface& check_queue);
 
   // --- of the live thread
   /// Why the request is refused, before anything is done about it.
@@ -53,10 +59,11 @@ class CorrectedArm {
   /// @param sent  the command of the last prepare() is sent; false: it is out of reach
   void commit(bool sent) noexcept;
   /// Publishes and counts what became of a request.
-  /// @param stamp  of the message
+  /// @param message  of which the request is a part
+  /// @param now      the ROS clock when it came [s]
   /// @param compute_time  from arrival to publication, by the steady clock [s]
-  void report(const ros::Time& stamp, const ArmRequest& request, const CorrectorOutput& output,
-              double compute_time);
+  void report(const CommandRequest& message, double now, const ArmRequest& request,
+              const CorrectorOutput& output, double compute_time);
   /// Forgets the stream.
   void restart() noexcept;
 
@@ -67,12 +74,25 @@ class CorrectedArm {
   void setTuning(double gain, double max_translation, double max_rotation) {
     corrector_.setTuning(gain, max_translation, max_rotation);
   }
-  void setMode(CorrectorMode mode);
+  /// Why the correction may not be switched on; empty: it may.
+  /// @param override_preflight  somebody takes the responsibility
+  std::string refusal(CorrectorMode mode, bool override_preflight) const;
+  /// After refusal() was empty. @return false if it is off all the same: the robot was homed
+  /// meanwhile
+  bool setMode(CorrectorMode mode, bool override_preflight);
   CorrectorMode mode() const noexcept { return corrector_.mode(); }
   bool hasModel();
-  /// The robot was homed: a model from before may be off.
+  /// Judges the model that waits, or else the one in use; takes as long as it says.
+  void preflight(const Preflight::Request& request, Preflight::Response& response);
+  /// Ends a pre-flight that is running, for good.
+  void stop() { observer_.stop(); }
+  /// The robot was homed: a model from before may be off. Where pre-flights are required all of
+  /// them are void, and the mode is off. Of the live thread, without lock.
   /// @param now  Unix time, as in models [s]
-  void noteHoming(double now);
+  void noteHoming(double now) noexcept;
+  /// Topics that have to be there, for checkTopics().
+  std::vector<TopicType> expectedTopics() const;
+  void noteTopics(const std::vector<StreamFinding>& findings);
   /// The master has answered.
   void noteMaster() noexcept { master_heard_at_.store(ros::SteadyTime::now().toSec()); }
 
@@ -80,14 +100,21 @@ class CorrectedArm {
   static constexpr std::size_t kCodes = 32;
   struct ModelSummary {
     std::string id;
-    double trained_at = 0.0, expires_at = 0.0;
+    double trained_at = 0.0, homed_at = 0.0, expires_at = 0.0;
   };
 
   bool isEndpoint(const Pose& desired) const noexcept;
   void onPath(const geometry_msgs::PoseArray& path);
   void onMeasured(const geometry_msgs::PoseStampedConstPtr& measured);
   void onModel(const CorrectionModel& msg);
-  void useModel(const Correction& model);
+  void takeModel(std::shared_ptr<const Correction> model);
+  void useModel(const std::shared_ptr<const Correction>& model);
+  void settle(const std::shared_ptr<const Correction>& model, PreflightState how,
+              std::uint32_t homings);
+  void updatePreflightState();
+  std::shared_ptr<const Correction> candidate() const;
+  bool inUseIsCleared() const;
+  void diagnosePreflight(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle nh_;
@@ -114,12 +141,20 @@ class CorrectedArm {
   std::atomic<ToolKnownBy> tool_known_by_{ToolKnownBy::kNotAsked};
 
   std::atomic<double> master_heard_at_;  // [s] of the steady clock
+  std::atomic<double> homed_at_{0.0};    // Unix time; 0: not seen [s]
+
+  PreflightGate gate_;
+  std::atomic<PreflightState> preflight_state_;  // of the model in use
+  ArmObserver observer_;
+  std::mutex model_mutex_;  // held by whoever hands a model to corrector_
 
   // Guarded by mutex_.
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   ModelSummary model_;
+  std::shared_ptr<const Correction> in_use_, waiting_;  // waiting_: for its pre-flight
+  std::string last_preflight_;                          // what it said; empty: none has run
+  std::vector<StreamFinding> topic_findings_;
   std::string refusal_;  // of the last model that was refused; empty: the last one was taken
-  double homed_at_ = 0.0;
   std::array<std::uint64_t, kCodes> reported_{};
   ros::SteadyTime reported_at_;
 

@@ -24,6 +24,7 @@ namespace raven_correction {
 class CorrectorNode {
  public:
   /// Poses are handled by one thread of their own, models and questions to the master by one each,
+  /// checks and pre-flights by some that may wait,
   /// everything else, above all what switches the correction off, by whoever spins the queue of the
   /// node handles.
   /// @throws InvalidInput  see loadCorrectorParams() and CorrectedArm
@@ -46,17 +47,19 @@ class CorrectorNode {
   void onRobotState(const ros::MessageEvent<AnyMessage const>& event);
   void onTuning(CorrectorConfig& config);
   void noteMaster(const MasterView& view);
+  void lookAtTopics();
   void watchOutput();
   CorrectionHold holdNow() const noexcept;
   void updateHold() noexcept;
   void offerServices(const std::string& ns, const std::vector<CorrectedArm*>& arms);
+  void offerPreflight(CorrectedArm& arm);
 
   ros::NodeHandle nh_, private_nh_;
   const CorrectorParams params_;
   std::vector<std::string> arm_names_;
 
   // Declared before what is in it.
-  ros::CallbackQueue live_queue_, model_queue_, master_queue_;
+  ros::CallbackQueue live_queue_, model_queue_, master_queue_, check_queue_;
   std::vector<std::unique_ptr<CorrectedArm>> arms_;
 
   // Of the live thread alone.
@@ -84,8 +87,8 @@ class CorrectorNode {
   std::unique_ptr<dynamic_reconfigure::Server<CorrectorConfig>> tuning_;
   // Declared last: their callbacks use everything above.
   ros::Subscriber desired_subscriber_, robot_state_subscriber_;
-  ros::WallTimer master_timer_;
-  std::unique_ptr<ros::AsyncSpinner> live_spinner_, model_spinner_, master_spinner_;
+  ros::WallTimer master_timer_, topics_timer_;
+  std::unique_ptr<ros::AsyncSpinner> live_spinner_, model_spinner_, master_spinner_, check_spinner_;
 };
 
 }  // namespace raven_correction

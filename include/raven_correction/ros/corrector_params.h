@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "raven_correction/correction/corrector.h"
+#include "raven_correction/evaluation/preflight.h"
 
 namespace raven_correction {
 
@@ -34,7 +35,14 @@ struct CorrectorParams {
   std::string robot_state_topic;          ///< enabled and homed? empty: not asked
   double robot_state_timeout = 1.0;       ///< an older state is not known any more [s]
   bool watch_output = true;               ///< ask the master who else publishes the output
-  std::vector<CorrectedArmParams> arms;   ///< one or two
+  bool require_preflight = false;         ///< before a model may be switched on
+  PreflightLimits preflight;              ///< what it has to keep
+  double preflight_duration = 60.0;       ///< of moves that are observed, at most [s]
+  int preflight_poses = 1000;             ///< observed while commanded, that end it earlier [1]
+  std::string mocap_pose_type = "PoseStamped";  ///< message of mocap/measured_cp: poseTypes()
+  std::string mocap_frame;               ///< of its messages that name none; empty: not known
+  std::string mocap_stamp = "header";    ///< header, or receipt
+  std::vector<CorrectedArmParams> arms;  ///< one or two
 };
 /// @throws InvalidInput  lists every problem
 CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh);

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/dataset/topic_check.h"
+
 namespace raven_correction {
 
 /// Calls a method of the ROS master or of a node (their XML-RPC API), and waits no longer than
@@ -28,6 +30,10 @@ struct MasterView {
 /// Asks the master; blocks until it answers, refuses, or 2 s have passed: not for the live path.
 /// @param topic  resolved name
 MasterView askMaster(const std::string& topic);
+
+/// All topics that somebody publishes, with their types; blocks as askMaster() does.
+/// @return false if the master does not answer
+bool askTopics(std::vector<TopicType>& published);
 
 /// How many publishers of a topic there are in this process: nodelets of one manager are one node
 /// to the master. Of any thread.

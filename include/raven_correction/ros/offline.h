@@ -5,6 +5,9 @@
 
 #include <CLI/App.hpp>
 #include <string>
+#include <vector>
+
+#include "raven_correction/ros/session_bag.h"
 
 namespace raven_correction {
 
@@ -22,6 +25,9 @@ void addExperimentCommand(CLI::App& app);
 void addRepeatabilityExperiment(CLI::App& experiment);
 void addFragmentsExperiment(CLI::App& experiment);
 
+/// Options of readTrusted().
+void addCheckOptions(CLI::App& command, std::vector<std::string>& robots, bool& ignore);
+
 /// All commands. Text goes to standard output, progress and errors to standard error.
 /// @return 0 on success, 2 on bad usage or bad input (the text says why), 1 on failure
 int runOffline(int argc, char** argv);
@@ -35,6 +41,13 @@ std::string packageFile(const std::string& relative);
 void checkOutputFile(const std::string& file, bool overwrite);
 /// @throws InvalidInput  cannot be written
 void writeTextFile(const std::string& file, const std::string& text);
+
+/// Inputs whose streams have been checked: findings go to standard error.
+/// @param robots  file of the arm's chain, then those of arms it may be mixed up with; may be empty
+/// @param ignore  errors do not stop it
+/// @throws InvalidInput  there is an error among the findings; see readCheckedInputs(), loadArms()
+CheckedInputs readTrusted(const std::vector<std::string>& inputs,
+                          const std::vector<std::string>& robots, bool ignore);
 
 /// Progress on standard error: one line that is rewritten on a terminal, a line per change of phase
 /// elsewhere. Silent when `phase` is empty.

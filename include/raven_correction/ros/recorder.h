@@ -11,6 +11,8 @@
 
 #include <array>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,8 +22,10 @@
 #include "raven_correction/TrajectoryEvent.h"
 #include "raven_correction/ros/live_synchroniser.h"
 #include "raven_correction/ros/registration.h"
+#include "raven_correction/ros/robot_state.h"
 #include "raven_correction/ros/session_writer.h"
 #include "raven_correction/ros/stamp_order.h"
+#include "raven_correction/ros/stream_watch.h"
 #include "raven_correction/ros/trajectory_windows.h"
 
 namespace raven_correction {
@@ -36,6 +40,11 @@ struct RecorderParams {
   std::string mocap_pose_type = "same";   ///< message of mocap/measured_cp; same: as pose_type
   std::string mocap_frame;  ///< frame of motion capture messages that name none; empty: unknown
   std::string mocap_stamp = "header";  ///< header, or receipt for drivers that leave it empty
+  std::string robot_state_topic;       ///< says when the robot is homed; empty: not asked
+  std::string robot_state_arm;    ///< whose pose and joints are taken from it; empty: from topics
+  std::string robot_state_frame;  ///< of its poses where they name none; empty: base_frame
+  std::string robot;              ///< chain of this arm, for the checks; empty: not checked
+  std::vector<std::string> other_robots;  ///< chains of arms it could be mixed up with
   LiveSynchroniserOptions pairs;
   double split_size_mb = 0.0;    ///< a part is closed at this size [1e6 byte]; 0: never
   double split_duration = 0.0;   ///< a part is closed after this time [s]; 0: never
@@ -87,6 +96,8 @@ class Recorder {
   void onMocap(const geometry_msgs::PoseStampedConstPtr& message);
   void onEncoder(const geometry_msgs::PoseStampedConstPtr& message);
   void onEvent(const TrajectoryEventConstPtr& message);
+  void onJoints(Stream stream, const sensor_msgs::JointStateConstPtr& message);
+  void onRobotState(const ros::MessageEvent<AnyMessage const>& event);
   void onStaticTransforms(const tf2_msgs::TFMessageConstPtr& message);
   bool onStart(StartRecording::Request& request, StartRecording::Response& response);
   bool onStop(StopRecording::Request& request, StopRecording::Response& response);
@@ -102,9 +113,16 @@ class Recorder {
   void leaveOut(const std::string& topic, const ros::Time& stamp, double back);
   void recordStaticTransforms(const ros::Time& time);
   void recordParameters(const ros::Time& time);
+  void recordHoming(const ros::Time& time);
+  void recordRegistration(const std::string& frame, const Pose& X_base_frame, const ros::Time& now);
   geometry_msgs::PoseStampedConstPtr withBaseFrame(const geometry_msgs::PoseStampedConstPtr& m);
   void publishPairs(const std::vector<LivePair>& pairs);
   void watchClock(const ros::Time& now);
+  /// Hands a pose on to the checks; @return its registration
+  std::optional<Pose> check(StreamRole role, const ros::Time& arrival,
+                            const geometry_msgs::PoseStamped& message);
+  void startChecks();
+  void warnOfFindings();
   void warnUnregistered(const std::string& topic, const std::string& frame);
   static double since(const ros::SteadyTime& then);  // [s]
   RecorderStatus status() const;
@@ -116,6 +134,11 @@ class Recorder {
   Registration registration_;
   StaticTransforms static_transforms_;
   LiveSynchroniser synchroniser_;
+  std::unique_ptr<StreamWatch> watch_;
+  std::set<std::string> warned_of_;  // stream and kind of findings
+  std::optional<RobotState> robot_state_;
+  ros::Time homed_at_;  // of the last homing that was seen; zero: none
+  bool robot_state_warned_ = false;
   TrajectoryWindows trajectories_;
 
   std::unique_ptr<SessionWriter> writer_;  // of the current or the last recording
@@ -138,7 +161,7 @@ class Recorder {
 
   ros::Publisher pairs_publisher_, status_publisher_;
   diagnostic_updater::Updater diagnostics_;
-  ros::Subscriber static_transforms_subscriber_;
+  ros::Subscriber static_transforms_subscriber_, robot_state_subscriber_;
   ros::ServiceServer start_service_, stop_service_;
   ros::WallTimer timer_;
 };

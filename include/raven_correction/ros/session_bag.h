@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/dataset/stream_check.h"
 #include "raven_correction/dataset/trajectory.h"
 
 namespace raven_correction {
@@ -22,6 +23,7 @@ struct TrajectoryGoal {
 struct Session {
   Dataset dataset;                    ///< poses in base; sorted by start
   std::vector<TrajectoryGoal> goals;  ///< one per trajectory of the data set, same order
+  std::vector<double> homed_at;       ///< homings that the recorder knew of, in order [s]
 };
 
 /// Reads a session from one bag. Poses of mocap/measured_cp are registered into the base frame by
@@ -47,6 +49,17 @@ std::vector<std::string> inputsNamed(const std::vector<std::string>& names,
 /// occur twice get the name of their input in front.
 /// @throws InvalidInput  no input, or different base frames
 Dataset readInputs(const std::vector<std::string>& paths);
+
+/// The same, with what is known beside the streams, and what the checks of the streams say.
+struct CheckedInputs {
+  Dataset dataset;
+  double homed_at = 0.0;  ///< last homing before or in the recordings; 0: not known [s]
+  std::vector<StreamFinding> findings;
+};
+/// @param arms  whose joints they may be, see StreamCheckOptions
+/// @throws InvalidInput  see readInputs(); findings are no exception (refuseErrors())
+CheckedInputs readCheckedInputs(const std::vector<std::string>& paths,
+                                const std::vector<ArmKinematics>& arms);
 
 /// Writes pose streams and trajectory events; `frame` of the data set is the frame of all poses.
 /// Measured joints go to measured_js; commanded joints beside commanded poses are left out.

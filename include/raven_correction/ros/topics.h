@@ -30,6 +30,7 @@ constexpr char kFragments[] = "fragments";            ///< FragmentArray: what l
 constexpr char kFragmentPoses[] = "fragments/poses";  ///< PoseArray of the same, for rviz
 constexpr char kFragmentImage[] = "fragments/image";  ///< drawn into the left image, for people
 constexpr char kRecorderParameters[] = "recorder/parameters";  ///< in bags only
+constexpr char kRobotHomed[] = "robot_homed";                  ///< in bags only: last homing
 constexpr char kTfStatic[] = "/tf_static";                     ///< registration
 
 }  // namespace topics

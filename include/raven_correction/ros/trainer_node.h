@@ -17,6 +17,7 @@
 #include "raven_correction/evaluation/validated_training.h"
 #include "raven_correction/ros/long_work.h"
 #include "raven_correction/ros/params.h"
+#include "raven_correction/ros/session_bag.h"
 
 namespace raven_correction {
 
@@ -28,7 +29,9 @@ struct TrainerParams {
   std::string arm;            ///< whose recordings are learned from; empty: as they say
   std::string tool;           ///< on that arm; empty: not known
   std::string pose_type;      ///< message type of the commands; empty: not known
-  double valid_hours = 0.0;   ///< a model is not taken into use later than this; 0: no limit [h]
+  std::string robot;  ///< chain of the arm, for the checks of recordings; empty: not checked
+  std::vector<std::string> other_robots;  ///< chains of arms it could be mixed up with
+  double valid_hours = 0.0;  ///< a model is not taken into use later than this; 0: no limit [h]
 };
 /// `~` at the start of a directory becomes $HOME.
 /// @throws InvalidInput  lists every problem
@@ -50,6 +53,7 @@ class TrainerNode {
   void goLive(const Correction& model);
   void identify(Correction& model) const;
   void publishReport(const ValidatedTraining& result, const Retrain::Response& response);
+  CheckedInputs readChecked(const Retrain::Request& request, Retrain::Response& response) const;
 
   ros::NodeHandle nh_, private_nh_;
   TrainerParams params_;

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The streams of stream_check.h held against one another, and a whole recording.
+#include <algorithm>
+#include <limits>
+
+#include "raven_correction/dataset/delay.h"
+#include "raven_correction/dataset/stream_check.h"
+#include "raven_correction/dataset/synchronisation.h"
+#include "raven_correction/error.h"
+#include "raven_correction/geometry/statistics.h"
+
+namespace raven_correction {
+namespace {
+
+using Severity = StreamFinding::Severity;
+
+constexpr std::size_t kEnough = 20;     // samples, before anything is said about them
+constexpr double kLeastMotion = 0.005;  // that tells anything, median from the middle [m]
+constexpr double kOtherUnits = 100.0;   // one motion this many times the other [-]
+constexpr double kEarly = 0.03;         // observations before their commands [s]
+constexpr std::size_t kFollowPairs = 600;
+
+/// Each coordinate's median, and the median distance from there [m].
+double spreadOf(const PoseStream& stream) {
+  if (stream.size() < kEnough) return 0.0;
+  Eigen::Vector3d middle;
+  std::vector<double> values(stream.size());
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < stream.size(); ++i) values[i] = stream[i].pose.p(k);
+    middle(k) = median(values);
+  }
+  for (std::size_t i = 0; i < stream.size(); ++i) values[i] = (stream[i].pose.p - middle).norm();
+  return median(values);
+}
+
+}  // namespace
+
+void checkFollowing(const Dataset& dataset, const StreamCheckOptions& options,
+                    std::vector<StreamFinding>& findings) {
+  const std::string& commands_name = options.names[static_cast<std::size_t>(StreamRole::kCommands)];
+  const std::string& observations_name =
+      options.names[static_cast<std::size_t>(StreamRole::kObservations)];
+  PoseStream commands, observations;
+  for (const Trajectory& trajectory : dataset.trajectories) {
+    for (const StampedPose& sample : screenCommands(trajectory.commands).samples)
+      commands.push_back(sample);
+    for (const StampedPose& sample : screenObservations(trajectory.observations).samples)
+      observations.push_back(sample);
+  }
+  const double commanded = spreadOf(commands), observed = spreadOf(observations);
+  if (commanded > 0.001 && observed > kOtherUnits * commanded) {
+    findings.push_back(
+        {Severity::kError, observations_name, "units",
+         format("the tool moves by %.4g m where it is told to by %.4g m", observed, commanded),
+         "about as much", "are positions in millimetres? they must be in metres"});
+    return;
+  }
+  if (commanded < kLeastMotion) return;
+  DelayProblem problem;
+  problem.min = options.min_delay;
+  problem.max = options.max_delay;
+  problem.step = 0.02;
+  problem.max_pairs = kFollowPairs;
+  problem.max_gap = std::max(0.1, commandGapLimit(dataset, {}));
+  const DelayResult delay = estimateDelay(dataset, problem);
+  if (delay.residual.empty()) return;
+  const bool known =
+      delay.status == DelayResult::Status::kOk || delay.status == DelayResult::Status::kAtLimit;
+  const double left = *std::min_element(delay.residual.begin(), delay.residual.end());
+  if (left > options.max_unexplained * commanded) {
+    findings.push_back({Severity::kError, observations_name, "motion",
+                        format("%.1f mm of a motion of %.1f mm (medians) are not explained by %s",
+                               1e3 * left, 1e3 * commanded, commands_name.c_str()),
+                        format("at most %.0f %%", 100.0 * options.max_unexplained),
+                        "are these the markers of the same arm and tool, do the clocks agree?"});
+    return;
+  }
+  std::vector<double> distances;
+  for (const Trajectory& trajectory : dataset.trajectories) {
+    const PoseStream sent = screenCommands(trajectory.commands).samples;
+    for (const StampedPose& seen : screenObservations(trajectory.observations).samples)
+      if (const auto command =
+              poseAt(sent, seen.stamp - (known ? delay.delay : 0.0), problem.max_gap))
+        distances.push_back((command->p - seen.pose.p).norm());
+  }
+  if (distances.size() >= kEnough && median(distances) > options.max_error)
+    findings.push_back(
+        {Severity::kError, observations_name, "distance",
+         format("%.0f mm from %s (median)", 1e3 * median(distances), commands_name.c_str()),
+         format("at most %.0f mm", 1e3 * options.max_error),
+         "measure the registration of the tracker in the base frame anew"});
+  if (!known) return;
+  if (delay.delay < -kEarly)
+    findings.push_back({Severity::kError, observations_name, "clock",
+                        format("%.3f s before the commands that they follow", -delay.delay),
+                        "observations come after commands",
+                        "synchronise the clocks of the hosts (chrony)"});
+  else if (delay.status == DelayResult::Status::kAtLimit)
+    findings.push_back({Severity::kWarning, observations_name, "clock",
+                        format("%.2f s or more behind the commands", delay.delay),
+                        format("at most %g s", options.max_delay),
+                        "synchronise the clocks of the hosts (chrony)"});
+}
+
+std::vector<StreamFinding> checkDataset(const Dataset& dataset, const StreamCheckOptions& options) {
+  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+  StreamCheckOptions of_dataset = options;
+  of_dataset.base_frame = dataset.frame;
+  StreamCheck check(of_dataset);
+  const Pose in_base;
+  const auto addPoses = [&](StreamRole role, const PoseStream& stream) {
+    for (const StampedPose& sample : stream)
+      check.addPose(role, sample.stamp, kNotKnown, dataset.frame, sample.pose, &in_base);
+  };
+  for (const Trajectory& trajectory : dataset.trajectories) {
+    check.startTrajectory();
+    addPoses(StreamRole::kCommands, trajectory.commands);
+    addPoses(StreamRole::kObservations, trajectory.observations);
+    addPoses(StreamRole::kEncoders, trajectory.encoders);
+    for (const StampedJoints& sample : trajectory.joint_observations.samples)
+      check.addJoints(sample.stamp, kNotKnown, trajectory.joint_observations.names,
+                      sample.positions);
+  }
+  std::vector<StreamFinding> findings;
+  for (const StreamRole role : {StreamRole::kCommands, StreamRole::kObservations})
+    if (check.count(role) == 0)
+      findings.push_back(
+          {Severity::kError, of_dataset.names[static_cast<std::size_t>(role)], "missing",
+           format("no sample within the %zu trajectories", dataset.trajectories.size()),
+           "at least one",
+           "record it; if it was recorded, compare its stamps with those of the "
+           "trajectories: do the clocks of the hosts agree?"});
+  for (StreamFinding& finding : check.findings()) findings.push_back(std::move(finding));
+  if (!anyError(findings)) checkFollowing(dataset, of_dataset, findings);
+  return findings;
+}
+
+}  // namespace raven_correction
