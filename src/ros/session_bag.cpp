@@ -13,8 +13,10 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <new>
 #include <regex>
 #include <set>
+#include <stdexcept>
 
 #include "raven_correction/dataset/dataset_directory.h"
 #include "raven_correction/error.h"
@@ -37,6 +39,7 @@ struct RawStreams {
   std::map<std::string, PoseStream> poses;              ///< by topic
   std::map<std::string, std::set<std::string>> frames;  ///< by topic
   std::map<std::string, StampOrder> order;              ///< by topic
+  std::map<std::string, std::string> other_types;       ///< by topic: what cannot be read there
   JointStream joints;
   std::vector<TrajectoryEvent> events;
   tf2::BufferCore registration;
@@ -70,6 +73,7 @@ bool isPoseStream(const std::string& topic) {
 void take(const rosbag::MessageInstance& instance, const Place& place, RawStreams& raw) {
   if (isPoseStream(place.topic)) {
     const auto pose = instance.instantiate<geometry_msgs::PoseStamped>();
+    if (!pose) raw.other_types[place.topic] = instance.getDataType();
     if (!pose || pose->header.stamp.isZero()) return;  // zero by convention: not valid
     checkOrder(place, pose->header.stamp, raw.order[place.topic]);
     raw.poses[place.topic].push_back(stampedPoseFromMsg(*pose));
@@ -85,6 +89,8 @@ void take(const rosbag::MessageInstance& instance, const Place& place, RawStream
                                            static_cast<Eigen::Index>(joints->position.size()))});
   } else if (const auto event = instance.instantiate<TrajectoryEvent>()) {
     raw.events.push_back(*event);
+  } else if (place.topic == topics::kTrajectoryEvent) {
+    raw.other_types[place.topic] = instance.getDataType();
   } else if (const auto tf = instance.instantiate<tf2_msgs::TFMessage>()) {
     if (place.topic != withoutSlash(topics::kTfStatic)) return;
     for (const geometry_msgs::TransformStamped& transform : tf->transforms)
@@ -190,36 +196,73 @@ Trajectory cut(const RawStreams& raw, const TrajectoryGoal& goal, double next_st
   return trajectory;
 }
 
-void readMessages(const std::string& file, RawStreams& raw) {
+constexpr std::size_t kProgressMessages = 5000;  ///< between two calls of progress
+
+using Reading = std::function<void(double)>;  ///< is called with the share that is read, 0 to 1
+
+void readMessages(const std::string& file, const Reading& progress, RawStreams& raw) {
   if (!fs::is_regular_file(file)) throw InvalidInput(format("%s: no such file", file.c_str()));
-  try {
-    rosbag::Bag bag(file, rosbag::bagmode::Read);
-    std::map<std::string, std::size_t> count;  // by topic
-    for (const rosbag::MessageInstance& instance : rosbag::View(bag)) {
-      const std::string topic = withoutSlash(instance.getTopic());
-      take(instance, {file, topic, ++count[topic], instance.getTime()}, raw);
-    }
-  } catch (const rosbag::BagException& error) {
-    throw InvalidInput(
+  const auto damaged = [&](const std::exception& error) {
+    return InvalidInput(
         format("%s: not a complete bag (%s); if the recorder was killed, run "
                "`rosbag reindex %s`",
                file.c_str(), error.what(), file.c_str()));
+  };
+  try {
+    rosbag::Bag bag(file, rosbag::bagmode::Read);
+    rosbag::View view(bag);
+    const std::size_t all = view.size();
+    std::size_t done = 0;
+    std::map<std::string, std::size_t> count;  // by topic
+    for (const rosbag::MessageInstance& instance : view) {
+      const std::string topic = withoutSlash(instance.getTopic());
+      take(instance, {file, topic, ++count[topic], instance.getTime()}, raw);
+      if (progress && ++done % kProgressMessages == 0)
+        progress(static_cast<double>(done) / static_cast<double>(all));
+    }
+  } catch (const ros::Exception& error) {  // of rosbag, or of a message that ends too soon
+    throw damaged(error);
+  } catch (const std::bad_alloc& error) {  // a length that a flipped bit has made huge
+    throw damaged(error);
+  } catch (const std::length_error& error) {
+    throw damaged(error);
   }
 }
 
-}  // namespace
-
-namespace {
-
-/// One session, in the parts into which the recorder split it.
-Session readParts(const std::vector<std::string>& parts) {
-  const std::string& file = parts.front();  // for messages
-  RawStreams raw;
-  for (const std::string& part : parts) readMessages(part, raw);
+/// What is needed is there, and of the type that it must have.
+void checkTypes(const std::string& file, const RawStreams& raw) {
+  for (const auto& [topic, type] :
+       {std::make_pair(topics::kCommand, "geometry_msgs/PoseStamped"),
+        std::make_pair(topics::kMocap, "geometry_msgs/PoseStamped"),
+        std::make_pair(topics::kTrajectoryEvent, "raven_correction/TrajectoryEvent")}) {
+    const auto other = raw.other_types.find(topic);
+    if (other == raw.other_types.end()) continue;
+    throw InvalidInput(
+        format("%s: %s holds %s, expected %s of this version; the recorder writes it, whatever the "
+               "robot sends (its ~pose_type): record with it, or convert the bag",
+               file.c_str(), topic, other->second.c_str(), type));
+  }
   for (const char* const topic : {topics::kCommand, topics::kMocap})
-    if (raw.poses[topic].empty())
+    if (raw.poses.count(topic) == 0 || raw.poses.at(topic).empty())
       throw InvalidInput(format("%s: no message on %s; `rosbag info` lists what was recorded",
                                 file.c_str(), topic));
+}
+
+/// The part i of n of what `progress` tells of.
+Reading partOf(const Reading& progress, std::size_t i, std::size_t n) {
+  if (!progress) return {};
+  return [&progress, i, n](double share) {
+    progress((static_cast<double>(i) + share) / static_cast<double>(n));
+  };
+}
+
+/// One session, in the parts into which the recorder split it.
+Session readParts(const std::vector<std::string>& parts, const Reading& progress) {
+  const std::string& file = parts.front();  // for messages
+  RawStreams raw;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    readMessages(parts[i], partOf(progress, i, parts.size()), raw);
+  checkTypes(file, raw);
   const std::string base = frameOf(file, topics::kCommand, raw);
   if (!raw.poses[topics::kEncoder].empty() && frameOf(file, topics::kEncoder, raw) != base)
     raw.poses[topics::kEncoder].clear();  // of no use here: another frame, and no registration
@@ -274,14 +317,14 @@ std::vector<std::vector<std::string>> groupParts(const std::vector<std::string>&
 
 }  // namespace
 
-Session readSessionBag(const std::string& file) { return readParts({file}); }
+Session readSessionBag(const std::string& file) { return readParts({file}, {}); }
 
 bool holdsSession(const std::string& file) {
   try {
     rosbag::Bag bag(file, rosbag::bagmode::Read);
     for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections())
       if (withoutSlash(connection->topic) == topics::kMocap) return true;
-  } catch (const rosbag::BagException&) {
+  } catch (const ros::Exception&) {
   }
   return false;
 }
@@ -315,15 +358,19 @@ std::vector<std::string> inputsNamed(const std::vector<std::string>& names,
   return inputs;
 }
 
-Dataset readInputs(const std::vector<std::string>& paths) {
+Dataset readInputs(const std::vector<std::string>& paths,
+                   const std::function<void(double)>& progress) {
   if (paths.empty()) throw InvalidInput("no input; give bags or data set directories");
   const std::vector<std::vector<std::string>> groups = groupParts(paths);
-  const auto read = [](const std::vector<std::string>& group) {
-    return group.size() == 1 ? readInput(group.front()) : readParts(group).dataset;
+  const auto read = [&](std::size_t i) {
+    const std::vector<std::string>& group = groups[i];
+    const bool one = group.size() == 1;
+    if (one && !fs::is_regular_file(group.front())) return readInput(group.front());
+    return readParts(group, partOf(progress, i, groups.size())).dataset;
   };
-  Dataset all = read(groups.front());
+  Dataset all = read(0);
   for (std::size_t i = 1; i < groups.size(); ++i) {
-    Dataset more = read(groups[i]);
+    Dataset more = read(i);
     if (more.frame != all.frame)
       throw InvalidInput(format("%s: poses are in frame \"%s\", those of %s in \"%s\"",
                                 more.source.c_str(), more.frame.c_str(), all.source.c_str(),

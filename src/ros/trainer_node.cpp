@@ -20,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = 180.0 / 3.14159265358979323846;
+constexpr double kReading = 0.05;  // share of the work that is done after reading [-]
+constexpr double kTrained = 0.97;  // and after training and validating [-]
 
 template <typename Array>
 void copyComponents(const ErrorSummary& summary, Array& position, Array& angle) {
@@ -101,9 +103,28 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
 
 void TrainerNode::goLive(const Correction& model) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  publishLive(model);
+}
+
+/// mutex_ is held.
+void TrainerNode::publishLive(const Correction& model) {
   live_.push_back(model);
   model_publisher_.publish(modelToMsg(model));
   ROS_INFO("trainer: model %s is live", model.id.c_str());
+}
+
+/// Unless another model went live since the one that this one was compared with. @return why not
+std::string TrainerNode::goLiveInsteadOf(const std::string& before, const Correction& model,
+                                         bool force) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::string now = live_.empty() ? "" : live_.back().id;
+  if (now != before && !force)
+    return format(
+        "; meanwhile %s has come into use, with which it was not compared, so that stays: call "
+        "~retrain again, or ~load its file",
+        now.c_str());
+  publishLive(model);
+  return "";
 }
 
 /// Says what the model is for, so that no corrector of another arm or tool takes it.
@@ -159,7 +180,9 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
         loadSimulationConfig(expandHome(request.simulation)));
   if (!request.dry_run && !request.output.empty())
     checkOutputFile(expandHome(request.output), false);  // now, not after the training
-  const Dataset dataset = readInputs(inputsNamed(request.bags, params_.data_directory));
+  const std::vector<std::string> inputs = inputsNamed(request.bags, params_.data_directory);
+  const Dataset dataset =
+      readInputs(inputs, [&](double fraction) { work_.report("reading", kReading * fraction); });
   Correction before;
   bool has_before = false;
   {
@@ -171,9 +194,11 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
   const ValidatedTraining result =
       trainAndValidate(dataset, config, has_before ? &before : nullptr, now,
                        [&](const std::string& phase, double fraction) {
-                         work_.report(phase, 0.05 + 0.9 * fraction);
+                         work_.report(phase, kReading + (kTrained - kReading) * fraction);
                        });
   Correction model = result.training.model;
+  model.inputs.clear();
+  for (const std::string& input : inputs) model.inputs.push_back(fs::absolute(input).string());
   identify(model);
   response.model = model.id;
   response.delay = model.delay;
@@ -192,18 +217,19 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
     response.success = true;
     response.message += "; dry run: nothing written, nothing live";
   } else {
-    work_.report("saving", 0.97);
+    work_.report("saving", kTrained);
     const std::string file =
         request.output.empty() ? (fs::path(params_.model_directory) / (model.id + ".bag")).string()
                                : expandHome(request.output);
     writeModelFile(model, file, false);
     response.files.push_back(fs::absolute(file).string());
-    response.live = result.better || request.force;
     response.success = true;
-    if (response.live)
-      goLive(model);
-    else
-      response.message += "; not better, so the model in use stays (force: true overrides)";
+    const std::string stays =
+        result.better || request.force
+            ? goLiveInsteadOf(has_before ? before.id : "", model, request.force)
+            : "; not better, so the model in use stays (force: true overrides)";
+    response.live = stays.empty();
+    response.message += stays;
   }
   response.seconds = work_.seconds();
   samples_publisher_.publish(samplesToMsg(result.training));

@@ -48,6 +48,8 @@ class TrainerNode {
 
   void retrain(const Retrain::Request& request, Retrain::Response& response);
   void goLive(const Correction& model);
+  void publishLive(const Correction& model);
+  std::string goLiveInsteadOf(const std::string& before, const Correction& model, bool force);
   void identify(Correction& model) const;
   void publishReport(const ValidatedTraining& result, const Retrain::Response& response);
 
