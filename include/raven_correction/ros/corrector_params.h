@@ -34,6 +34,7 @@ struct CorrectorParams {
   std::string robot_state_topic;          ///< enabled and homed? empty: not asked
   double robot_state_timeout = 1.0;       ///< an older state is not known any more [s]
   bool watch_output = true;               ///< ask the master who else publishes the output
+  bool lookahead = true;                  ///< correct for the pose ahead on an announced path
   std::vector<CorrectedArmParams> arms;   ///< one or two
 };
 /// @throws InvalidInput  lists every problem
