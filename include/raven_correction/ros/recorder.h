@@ -14,10 +14,12 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/CorrectionModel.h"
 #include "raven_correction/RecorderStatus.h"
 #include "raven_correction/StartRecording.h"
 #include "raven_correction/StopRecording.h"
 #include "raven_correction/TrajectoryEvent.h"
+#include "raven_correction/ros/delay_watch.h"
 #include "raven_correction/ros/live_synchroniser.h"
 #include "raven_correction/ros/registration.h"
 #include "raven_correction/ros/session_writer.h"
@@ -37,6 +39,7 @@ struct RecorderParams {
   std::string mocap_frame;  ///< frame of motion capture messages that name none; empty: unknown
   std::string mocap_stamp = "header";  ///< header, or receipt for drivers that leave it empty
   LiveSynchroniserOptions pairs;
+  DelayWatchOptions delay;
   double split_size_mb = 0.0;    ///< a part is closed at this size [1e6 byte]; 0: never
   double split_duration = 0.0;   ///< a part is closed after this time [s]; 0: never
   double min_free_mb = 1000.0;   ///< the recording ends below this free space [1e6 byte]
@@ -116,6 +119,7 @@ class Recorder {
   Registration registration_;
   StaticTransforms static_transforms_;
   LiveSynchroniser synchroniser_;
+  DelayWatch delay_;
   TrajectoryWindows trajectories_;
 
   std::unique_ptr<SessionWriter> writer_;  // of the current or the last recording
@@ -138,7 +142,7 @@ class Recorder {
 
   ros::Publisher pairs_publisher_, status_publisher_;
   diagnostic_updater::Updater diagnostics_;
-  ros::Subscriber static_transforms_subscriber_;
+  ros::Subscriber static_transforms_subscriber_, model_subscriber_;
   ros::ServiceServer start_service_, stop_service_;
   ros::WallTimer timer_;
 };
