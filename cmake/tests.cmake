@@ -2,7 +2,7 @@
 # All tests as catkin tests: one gtest executable per room (test/ROOM/*.cpp), one of the plant that
 # hides effects for the diagnosis (test/plant/*_test.cpp), one rostest per
 # test/nodes/*.test with the gtest of the same name beside it, every launch file, the lint, the
-# package tests (install space, workspace), and two tests of processes (with masters of their own).
+# package tests (install space, workspace), and tests of processes (with masters of their own).
 # `catkin_make run_tests` or `./run test` runs them.
 
 # Tests run in catkin's snapshot of the environment, which names this workspace only: add Debian's
@@ -96,7 +96,7 @@ if(CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR)
   set(CATKIN_ENV ${test_environment} ${CMAKE_COMMAND} -E env RAVEN_BUILD=${CMAKE_BINARY_DIR} timeout 2700)
   set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME})
   foreach(script lint/test_lint package/test_run package/test_package nodes/corrector_processes
-      nodes/repeatability)
+      nodes/hosts nodes/recorder_processes nodes/repeatability nodes/trainer_processes)
     get_filename_component(name ${script} NAME)
     set(file ${PROJECT_SOURCE_DIR}/test/${script}.py)
     catkin_run_tests_target(python ${name} ${name}.xml

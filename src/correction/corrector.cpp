@@ -107,6 +107,13 @@ void Corrector::restart() noexcept {
   stream_.commanded = false;
   measured_at_ = -std::numeric_limits<double>::infinity();
   follower_->reset();
+  stream_.ahead = nullptr;
+}
+
+std::optional<double> Corrector::modelDelay() const noexcept {
+  const Live* const live = live_.load(std::memory_order_acquire);
+  if (live == nullptr) return std::nullopt;
+  return live->predictor.model().delay;
 }
 
 /// What a hold takes back while no pose comes. Its end is not timed: all of the silence counts, so
@@ -162,8 +169,8 @@ CorrectorOutput Corrector::answer() const noexcept {
 }
 
 /// The pose that the mode wants, before limits, and why.
-void Corrector::aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted,
-                    CorrectorOutput& output) noexcept {
+void Corrector::aim(Live* live, const Pose& desired, bool endpoint, const Motion* ahead,
+                    Pose& wanted, CorrectorOutput& output) noexcept {
   wanted = desired;
   const CorrectorMode mode = output.mode;
   if (mode == CorrectorMode::kOff) {
@@ -186,7 +193,15 @@ void Corrector::aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted
     output.code = CorrectorCode::kPassedBetweenEndpoints;
     return;
   }
-  const Prediction prediction = live->predictor.predict(live->estimator.motion(), *live->workspace);
+  Prediction prediction;
+  if (ahead != nullptr && mode != CorrectorMode::kEndpoint) {
+    prediction = live->predictor.predict(*ahead, *live->workspace);
+    // Where the correction fades to the planner's own pose, that is the one of now.
+    output.ahead =
+        prediction.g_share == 1.0 && prediction.status != Prediction::Status::kModelFault;
+  }
+  if (!output.ahead)
+    prediction = live->predictor.predict(live->estimator.motion(), *live->workspace);
   output.model = &model.id;
   output.sd_position = prediction.sd_position;
   output.sd_rotation = prediction.sd_rotation;
@@ -231,6 +246,7 @@ void Corrector::discard() noexcept {
   if (!prepared_) return;
   prepared_ = false;
   if (followed_ != nullptr) followed_->undo();
+  if (followed_ahead_ != nullptr) followed_ahead_->undo();
   reach_.discard();
 }
 
@@ -240,6 +256,17 @@ void Corrector::follow(MotionEstimator& follower, double stamp, const Pose& desi
   follower_ = &follower;
   const bool accepted = follower.push(stamp, desired) == MotionEstimator::Outcome::kAccepted;
   followed_ = accepted ? &follower : nullptr;
+}
+
+/// The motion up to the pose ahead: what was, and then what is announced. Null where nothing is.
+const Motion* Corrector::followAhead(Live* live, const Lookahead* ahead) noexcept {
+  followed_ahead_ = next_.ahead = nullptr;
+  if (live == nullptr || ahead == nullptr) return nullptr;
+  if (stream_.ahead != &live->ahead) live->ahead.takeOver(live->estimator);
+  if (live->ahead.push(ahead->stamp, ahead->pose) != MotionEstimator::Outcome::kAccepted)
+    return nullptr;
+  followed_ahead_ = next_.ahead = &live->ahead;
+  return &live->ahead.motion();
 }
 
 void Corrector::commit() noexcept {
@@ -265,7 +292,7 @@ CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& de
   output.code = CorrectorCode::kPassedNotAbsolute;
   output.command = desired;
   next_ = stream_;
-  followed_ = nullptr;
+  followed_ = followed_ahead_ = next_.ahead = nullptr;
   takeBackAfterHold(stamp);
   const double elapsed = stepTime(stamp);
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
@@ -285,8 +312,8 @@ CorrectorOutput Corrector::prepareParts(double stamp, double now, const Pose& de
   return output;
 }
 
-CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired,
-                                   bool endpoint) noexcept {
+CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired, bool endpoint,
+                                   const Lookahead* ahead) noexcept {
   discard();
   CorrectorOutput output = answer();
   output.command = desired;
@@ -300,8 +327,9 @@ CorrectorOutput Corrector::prepare(double stamp, double now, const Pose& desired
   reach_.follow(desired);
   Live* const live = live_.load(std::memory_order_acquire);
   follow(live != nullptr ? live->estimator : before_models_, stamp, desired);
+  const Motion* const motion_ahead = followAhead(live, ahead);
   Pose wanted;
-  aim(live, desired, endpoint, wanted, output);
+  aim(live, desired, endpoint, motion_ahead, wanted, output);
 
   Eigen::Vector3d translation = output.gain * (wanted.p - desired.p);
   Eigen::Vector3d rotation = output.gain * logRotation(desired.q.conjugate() * wanted.q);

@@ -13,6 +13,7 @@
 #include "raven_correction/correction/physics.h"
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/rigid_fit.h"
+#include "raven_correction/regression/fit_progress.h"
 
 namespace raven_correction {
 namespace {
@@ -262,7 +263,8 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
     if (config.tie_vectors)
       for (int j = 0; j < static_cast<int>(features); ++j)
         process_config.feature_blocks.push_back(j / 3);
-    GpFit process = fitGp(x, y, process_config, groups);
+    GpFit process = fitGp(x, y, process_config, groups,
+                          [&](double fraction) { report("fitting", 0.2 + 0.8 * fraction); });
     model.process = std::move(process.model);
     result.process = std::move(process.report);
   }

@@ -9,7 +9,8 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "diagnoser");
   try {
     raven_correction::DiagnoserNode node(ros::NodeHandle(), ros::NodeHandle("~"));
-    ros::AsyncSpinner spinner(2);  // one may wait for a diagnosis; the other says that one runs
+    ros::AsyncSpinner spinner(
+        3);  // one may wait for a diagnosis, one for the end of a cancelled one
     spinner.start();
     ros::waitForShutdown();
   } catch (const std::exception& error) {

@@ -82,11 +82,23 @@ Direction directionInBox(const Eigen::VectorXd& x, const Eigen::VectorXd& gradie
 
 }  // namespace
 
-Objective::Objective(Criterion criterion) : criterion_(std::move(criterion)) {}
+Objective::Objective(Criterion criterion, std::function<void()> evaluated)
+    : criterion_(std::move(criterion)), evaluated_(std::move(evaluated)) {}
+
+void Objective::tell() {
+  if (!evaluated_) return;
+  try {
+    evaluated_();
+  } catch (...) {
+    interruption = std::current_exception();
+    throw;
+  }
+}
 
 double Objective::operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
   ++evaluations;
   const double value = criterion_(x, gradient);
+  tell();
   if (!std::isfinite(value)) {  // a line search shortens its step on a large value
     gradient.setZero(x.size());
     return 1e10;
@@ -122,6 +134,7 @@ SearchEnd searchBox(Objective& objective, Eigen::VectorXd x, const Box& box,
                         : format("stopped after %d iterations, the limit", end.iterations);
       return end;
     } catch (const std::exception& error) {
+      if (objective.interruption) throw;  // the search was ended from outside
       // The line search found no better point: numerically at the optimum, or a bad curvature
       // model. A fresh start from the best point tells which.
       end.message = std::string("line search ended: ") + error.what();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <exception>
 #include <functional>
 #include <limits>
 #include <string>
@@ -16,7 +17,9 @@ class Objective {
  public:
   /// Value at x; the gradient is written. Not finite where there is none.
   using Criterion = std::function<double(const Eigen::VectorXd& x, Eigen::VectorXd& gradient)>;
-  explicit Objective(Criterion criterion);
+  /// @param evaluated  called after every evaluation, unless it is empty; what it throws ends a
+  ///        search, and is thrown by it
+  explicit Objective(Criterion criterion, std::function<void()> evaluated = {});
 
   /// As the criterion; where that is not finite a large value, which makes a line search turn back.
   double operator()(const Eigen::VectorXd& x, Eigen::VectorXd& gradient);
@@ -24,9 +27,13 @@ class Objective {
   double best_value = std::numeric_limits<double>::infinity();
   Eigen::VectorXd best;
   int evaluations = 0;
+  std::exception_ptr interruption;  ///< what `evaluated` has thrown; null: nothing
 
  private:
+  void tell();
+
   Criterion criterion_;
+  std::function<void()> evaluated_;
 };
 
 struct Box {

@@ -9,6 +9,7 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/regression/exact_statistics.h"
+#include "raven_correction/regression/fit_progress.h"
 #include "raven_correction/regression/hyperparameters.h"
 #include "raven_correction/regression/inducing_points.h"
 #include "raven_correction/regression/kernel_matrix.h"
@@ -19,6 +20,8 @@ namespace {
 
 // Rows that the greedy choice of inducing points looks at, per inducing point.
 constexpr Eigen::Index kCandidatesPerPoint = 10;
+constexpr double kTypicalEvaluations = 20.0;  // of a search: half of the way
+constexpr double kSearchShare = 0.9;          // of the time of a fit
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -74,6 +77,11 @@ void checkConfig(const GpConfig& config) {
 
 GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, const GpConfig& config,
             const std::vector<int>& row_groups) {
+  return fitGp(features, targets, config, row_groups, {});
+}
+
+GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, const GpConfig& config,
+            const std::vector<int>& row_groups, const FitProgress& progress) {
   if (features.rows() == 0 || features.cols() == 0 || targets.cols() == 0)
     throw InvalidInput(
         format("features are %td x %td and targets have %td columns; at least one "
@@ -104,7 +112,13 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
   const std::vector<Eigen::Index> hyper_rows =
       sampleIndices(n, config.max_hyper_points, config.seed);
   fit.report.rows_learnt_on = validates ? int(n) : int(hyper_rows.size());
-  for (const std::vector<int>& outputs : checkedGroups(config, fit.model.outputs)) {
+  const std::vector<std::vector<int>> groups = checkedGroups(config, fit.model.outputs);
+  const auto report_group = [&](double of_group) {
+    if (!progress) return;
+    progress((static_cast<double>(fit.model.groups.size()) + of_group) /
+             static_cast<double>(groups.size()));
+  };
+  for (const std::vector<int>& outputs : groups) {
     Eigen::MatrixXd group_targets(n, Eigen::Index(outputs.size()));
     for (std::size_t k = 0; k < outputs.size(); ++k)
       group_targets.col(Eigen::Index(k)) = targets.col(outputs[k]);
@@ -125,7 +139,11 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
     problem.restarts = config.restarts;
     problem.log_length_prior = config.log_length_prior;
     problem.seed = config.seed;
-    const HyperParameterResult learnt = learnHyperParameters(problem);
+    double evaluations = 0.0;
+    const HyperParameterResult learnt = learnHyperParameters(problem, [&] {
+      evaluations += 1.0;
+      report_group(kSearchShare * evaluations / (evaluations + kTypicalEvaluations));
+    });
     fit.report.seconds_hyperparameters += secondsSince(start);
 
     start = std::chrono::steady_clock::now();
@@ -156,6 +174,7 @@ GpFit fitGp(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets, con
     }
     fit.report.seconds_posterior += secondsSince(start);
     fit.model.groups.push_back(std::move(group));
+    report_group(0.0);
 
     GpFitReport::Group report;
     report.log_marginal_likelihood = learnt.log_marginal_likelihood;

@@ -14,6 +14,7 @@
 
 #include "box_search.h"
 #include "raven_correction/error.h"
+#include "raven_correction/regression/fit_progress.h"
 #include "raven_correction/regression/grouped_validation.h"
 #include "raven_correction/regression/marginal_likelihood.h"
 
@@ -135,10 +136,13 @@ struct SearchBest {
   int evaluations = 0;
 };
 
+using Evaluated = std::function<void()>;
+
 Objective objectiveOf(const HyperParameterProblem& problem, MarginalLikelihood& likelihood,
-                      const Eigen::VectorXd& prior_centre) {
+                      const Eigen::VectorXd& prior_centre, const Evaluated& evaluated) {
   return Objective(negativePosterior(likelihood, 1.0 / double(likelihood.targets().size()),
-                                     problem.log_length_prior, prior_centre));
+                                     problem.log_length_prior, prior_centre),
+                   evaluated);
 }
 
 SearchLimits limitsOf(const HyperParameterProblem& problem, const MarginalLikelihood& likelihood) {
@@ -147,7 +151,7 @@ SearchLimits limitsOf(const HyperParameterProblem& problem, const MarginalLikeli
 
 // The best of some searches on few rows: the first from x, the others from random places around it.
 SearchBest searchCoarse(const HyperParameterProblem& problem, MarginalLikelihood likelihood,
-                        const Eigen::VectorXd& x, const Box& box) {
+                        const Eigen::VectorXd& x, const Box& box, const Evaluated& evaluated) {
   std::mt19937_64 engine(problem.seed);
   std::normal_distribution<double> normal;
   SearchBest best;
@@ -158,7 +162,7 @@ SearchBest searchCoarse(const HyperParameterProblem& problem, MarginalLikelihood
     if (k > 0)
       for (double& value : from) value += normal(engine);
     from = from.cwiseMax(box.lower).cwiseMin(box.upper);
-    Objective objective = objectiveOf(problem, likelihood, x);
+    Objective objective = objectiveOf(problem, likelihood, x, evaluated);
     const SearchEnd end = searchBox(objective, from, box, limitsOf(problem, likelihood));
     best.evaluations += objective.evaluations;
     if (objective.best.size() > 0 && objective.best_value < best_value) {
@@ -176,10 +180,11 @@ SearchBest searchCoarse(const HyperParameterProblem& problem, MarginalLikelihood
 // is that of the fewer rows.
 SearchBest searchFiner(const HyperParameterProblem& problem, MarginalLikelihood fewer,
                        MarginalLikelihood more, Eigen::VectorXd x,
-                       const Eigen::VectorXd& prior_centre, const Box& box) {
+                       const Eigen::VectorXd& prior_centre, const Box& box,
+                       const Evaluated& evaluated) {
   const Eigen::Index lengths = x.size() - 1;
-  Objective coarse = objectiveOf(problem, fewer, prior_centre);
-  Objective objective = objectiveOf(problem, more, prior_centre);
+  Objective coarse = objectiveOf(problem, fewer, prior_centre, evaluated);
+  Objective objective = objectiveOf(problem, more, prior_centre, evaluated);
   Eigen::VectorXd start = x, gradient;
   start.head(lengths) = x.head(lengths).cwiseMin(x.head(lengths).minCoeff() + kStillSeen);
   if (start != x) {
@@ -206,7 +211,8 @@ constexpr double kLogLengthSpread = 1.5;
 constexpr double kPullWeight = 0.002;  // against an error of about 0.1
 constexpr double kStartNoiseRatio = 0.02;
 
-HyperParameterResult learnByValidation(const HyperParameterProblem& problem) {
+HyperParameterResult learnByValidation(const HyperParameterProblem& problem,
+                                       const Evaluated& evaluated) {
   const Normalised data = normalise(problem);
   GroupedValidation::Options options;
   options.kernel = problem.kernel;
@@ -236,7 +242,7 @@ HyperParameterResult learnByValidation(const HyperParameterProblem& problem) {
           Eigen::VectorXd::Constant(lengths + 1, 6.0)};
   box.lower(lengths) = std::log(1e-5);
   box.upper(lengths) = std::log(10.0);
-  Objective objective(criterion);
+  Objective objective(criterion, evaluated);
   const SearchEnd end = searchBox(objective, start, box, {std::min(40, problem.max_iterations)});
   const Eigen::VectorXd best = objective.best.size() > 0 ? objective.best : start;
 
@@ -260,12 +266,17 @@ HyperParameterResult learnByValidation(const HyperParameterProblem& problem) {
 }  // namespace
 
 HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) {
+  return learnHyperParameters(problem, {});
+}
+
+HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem,
+                                          const std::function<void()>& evaluated) {
   if (problem.criterion == HyperCriterion::kValidation) {
     if (problem.mean != MeanType::kZero)
       throw InvalidInput(
           "grouped validation learns processes with mean zero only; set mean: zero, "
           "or choose the marginal likelihood");
-    return learnByValidation(problem);
+    return learnByValidation(problem, evaluated);
   }
   const Eigen::Index d = problem.points.rows();
   const Eigen::Index n = problem.points.cols();
@@ -291,9 +302,9 @@ HyperParameterResult learnHyperParameters(const HyperParameterProblem& problem) 
     for (auto rows = stages.rbegin(); rows != stages.rend(); ++rows) {
       const SearchBest found =
           rows == stages.rbegin()
-              ? searchCoarse(problem, likelihoodOf(problem, data, *rows), start, box)
+              ? searchCoarse(problem, likelihoodOf(problem, data, *rows), start, box, evaluated)
               : searchFiner(problem, likelihoodOf(problem, data, *std::prev(rows)),
-                            likelihoodOf(problem, data, *rows), best, start, box);
+                            likelihoodOf(problem, data, *rows), best, start, box, evaluated);
       result.evaluations += found.evaluations;
       result.converged = found.end.converged;
       result.message = found.end.message;

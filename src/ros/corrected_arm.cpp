@@ -91,6 +91,8 @@ CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
                                       double now) noexcept {
   prepared_ = request.kind != ArmRequest::Kind::kInactive;
   next_known_ = known_;
+  if (followed_) path_.undo();  // the last one was not sent
+  followed_ = false;
   CorrectorOutput output;
   if (!prepared_) {
     output.command = request.pose;
@@ -107,7 +109,10 @@ CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
   if (orientation) next_known_.pose.q = request.pose.q;
   if (!next_known_.position || !next_known_.orientation)
     return corrector_.prepareParts(stamp, now, request.pose, position, orientation);
-  output = corrector_.prepare(stamp, now, next_known_.pose, isEndpoint(next_known_.pose));
+  Lookahead ahead;
+  const Lookahead* const announced = lookAhead(stamp, next_known_.pose, ahead);
+  output =
+      corrector_.prepare(stamp, now, next_known_.pose, isEndpoint(next_known_.pose), announced);
   if (!request.position) output.command.p = request.pose.p;
   if (!request.orientation) output.command.q = request.pose.q;
   return output;
@@ -116,6 +121,7 @@ CorrectorOutput CorrectedArm::prepare(const ArmRequest& request, double stamp,
 void CorrectedArm::commit(bool sent) noexcept {
   if (prepared_) corrector_.commit();
   prepared_ = false;
+  if (sent) followed_ = false;
   if (sent) known_ = next_known_;
 }
 
@@ -126,6 +132,7 @@ void CorrectedArm::report(const CommandRequest& message, double now, const ArmRe
   if (output.distance > distance_.load(std::memory_order_relaxed))
     distance_.store(output.distance, std::memory_order_relaxed);
   if ((output.limits & kPlannerBeyond) != 0) ++beyond_;
+  if (output.ahead) ++ahead_;
   if (!isRefused(output.code)) tool_known_by_.store(output.tool_known_by);
   const boost::shared_ptr<CorrectionStatus> status = statuses_.next();
   status->header.stamp = message.stamp;
@@ -161,6 +168,27 @@ void CorrectedArm::report(const CommandRequest& message, double now, const ArmRe
 void CorrectedArm::restart() noexcept {
   corrector_.restart();
   known_ = {};
+  path_.begin();  // its ends are known still
+  followed_ = false;
+}
+
+void CorrectedArm::forgetPath() noexcept {
+  has_path_ = followed_ = false;
+  path_.begin();
+}
+
+/// Where the tool is to be when a command of now has its effect. Null where nobody has said.
+const Lookahead* CorrectedArm::lookAhead(double stamp, const Pose& desired,
+                                         Lookahead& ahead) noexcept {
+  if (!params_.lookahead || !has_path_) return nullptr;
+  path_.follow(stamp, desired);
+  followed_ = true;
+  const std::optional<double> delay = corrector_.modelDelay();
+  if (!delay || !(*delay > 0.0)) return nullptr;
+  const std::optional<Pose> pose = path_.ahead(*delay);
+  if (!pose) return nullptr;
+  ahead = {stamp + *delay, *pose};
+  return &ahead;
 }
 
 bool CorrectedArm::isEndpoint(const Pose& desired) const noexcept {
@@ -172,12 +200,15 @@ bool CorrectedArm::isEndpoint(const Pose& desired) const noexcept {
 }
 
 void CorrectedArm::onPath(const geometry_msgs::PoseArray& path) {
+  forgetPath();
   const std::string& frame = path.header.frame_id;
   has_path_ = !path.poses.empty() &&
               (sameName(frame, params_.base_frame) || (frame.empty() && params_.allow_empty_frame));
   if (!has_path_) return;
   path_first_ = poseFromMsg(path.poses.front());
   path_last_ = poseFromMsg(path.poses.back());
+  if (!params_.lookahead) return;
+  for (const geometry_msgs::Pose& pose : path.poses) path_.add(poseFromMsg(pose));
 }
 
 void CorrectedArm::onMeasured(const geometry_msgs::PoseStampedConstPtr& measured) {
@@ -264,7 +295,7 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   };
   const LatencyHistogram::Snapshot latency = latency_.take();
   const double unix_time = ros::WallTime::now().toSec();
-  const std::uint64_t beyond = beyond_.exchange(0);
+  const std::uint64_t beyond = beyond_.exchange(0), ahead = ahead_.exchange(0);
   status.add("mode", correctorModeName(corrector_.mode()));
   status.add("input rate [1/s]", format("%.1f", static_cast<double>(all) / seconds));
   status.add("latency p50, p99, p99.9, max [us]",
@@ -273,6 +304,7 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.add("share limited", share(of(CorrectorCode::kCorrectedLimited)));
   status.add("share refused", share(refused));
   status.add("share of poses beyond the robot's step", share(beyond));
+  status.add("share corrected for the announced pose ahead", share(ahead));
   const ToolKnownBy tool = tool_known_by_;
   status.add("tool known by", toolKnownByName(tool));
   status.add("furthest from the trained region [m]", format("%.4f", distance_.exchange(0.0)));

@@ -149,6 +149,7 @@ CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh) {
   read.text("robot_state_topic", params.robot_state_topic);
   read.positive("robot_state_timeout", params.robot_state_timeout, 60.0);
   read.flag("watch_output", params.watch_output);
+  read.flag("lookahead", params.lookahead);
   readPreflight(read, params);
 
   params.arms.resize(1);

@@ -40,6 +40,7 @@ Recorder::Recorder(ros::NodeHandle nh, ros::NodeHandle private_nh, const Recorde
       params_(params),
       registration_(params.base_frame),
       synchroniser_(params.pairs),
+      delay_(params.delay),
       free_bytes_(freeBytesNear(params.directory)),
       diagnostics_(nh_, private_nh) {
   last_diagnosis_ = ros::SteadyTime::now();
@@ -57,6 +58,9 @@ Recorder::Recorder(ros::NodeHandle nh, ros::NodeHandle private_nh, const Recorde
   };
   static_transforms_subscriber_ =
       nh_.subscribe(topics::kTfStatic, 100, &Recorder::onStaticTransforms, this);
+  if (params.delay.max_change > 0.0)
+    model_subscriber_ = nh_.subscribe<CorrectionModel>(
+        topics::kModel, 1, [this](const auto& model) { delay_.setModel(model->id, model->delay); });
   pose(kCommand, topics::kCommand, params.command_type, &Recorder::onCommand);
   pose(kDesired, topics::kDesired, params.command_type, &Recorder::onDesired);
   pose(kMocap, topics::kMocap, params.mocap_pose_type, &Recorder::onMocap);
@@ -162,6 +166,7 @@ void Recorder::onCommand(const geometry_msgs::PoseStampedConstPtr& message) {
   const auto X_base_frame = check(StreamRole::kCommands, now, *command);
   if (!X_base_frame) return warnUnregistered(topics::kCommand, command->header.frame_id);
   sample.pose = *X_base_frame * sample.pose;
+  delay_.addCommand(sample);
   publishPairs(synchroniser_.addCommand(sample));
 }
 
@@ -201,6 +206,7 @@ void Recorder::onMocap(const geometry_msgs::PoseStampedConstPtr& message) {
   unregistered_message_.clear();
   StampedPose sample = stampedPoseFromMsg(*seen);
   sample.pose = *X_base_mocap * sample.pose;
+  delay_.addObservation(sample);
   publishPairs(synchroniser_.addObservation(sample));
 }
 
@@ -240,6 +246,7 @@ void Recorder::watchClock(const ros::Time& now) {
   synchroniser_.clear();
   watch_->clear();
   trajectories_.clear();
+  delay_.clear();
   clock_message_ = format(
       "the clock jumped back by %.3f s: samples that waited for their partner "
       "were forgotten",

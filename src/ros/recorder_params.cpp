@@ -37,6 +37,8 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   read.number("max_gap", params.pairs.max_gap, 0.0, 10.0);
   read.positive("max_gap_periods", params.pairs.max_gap_periods, 100.0);
   read.positive("pair_horizon", params.pairs.horizon, 60.0);
+  read.positive("delay_window", params.delay.window, 600.0);
+  read.number("max_delay_change", params.delay.max_change, 0.0, DelayWatch::kRange);
   read.number("split_size_mb", params.split_size_mb, 0.0, 1e6);
   read.number("split_duration", params.split_duration, 0.0, 1e6);
   read.number("min_free_mb", params.min_free_mb, 0.0, 1e6);
@@ -87,6 +89,8 @@ std::string recorderParametersYaml(const RecorderParams& params) {
   add("max_gap", params.pairs.max_gap);
   add("max_gap_periods", params.pairs.max_gap_periods);
   add("pair_horizon", params.pairs.horizon);
+  add("delay_window", params.delay.window);
+  add("max_delay_change", params.delay.max_change);
   add("split_size_mb", params.split_size_mb);
   add("split_duration", params.split_duration);
   add("min_free_mb", params.min_free_mb);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the node `recorder` says about itself: its status and its diagnostics.
+#include <cmath>
+
 #include "raven_correction/error.h"
 #include "raven_correction/ros/recorder.h"
 
@@ -37,7 +39,8 @@ RecorderStatus Recorder::status() const {
     status.free_bytes = progress.free_bytes;
     status.dropped = progress.dropped;
   }
-  for (const std::string& remark : {unregistered_message_, clock_message_, order_message_})
+  for (const std::string& remark :
+       {unregistered_message_, clock_message_, order_message_, delay_.message()})
     if (!remark.empty()) status.message += "; " + remark;
   status.trajectories = completed_trajectories_;
   status.pairs = pairs_;
@@ -71,6 +74,10 @@ void Recorder::warnOfFindings() {
 void Recorder::onTimer() {
   warnOfFindings();
   watchClock(ros::Time::now());
+  const bool delay_was_fine = delay_.message().empty();
+  delay_.update();
+  if (delay_was_fine && !delay_.message().empty())
+    ROS_WARN("recorder: %s", delay_.message().c_str());
   const RecorderStatus now = status();
   const bool changed = now.state != published_.state || now.message != published_.message ||
                        now.bag != published_.bag || now.trajectories != published_.trajectories;
@@ -90,6 +97,7 @@ void Recorder::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report) {
   if (now.out_of_order > 0) report.mergeSummary(DiagnosticStatus::WARN, "stamps go back");
   if (!unregistered_message_.empty())
     report.mergeSummary(DiagnosticStatus::WARN, unregistered_message_);
+  if (!delay_.message().empty()) report.mergeSummary(DiagnosticStatus::WARN, delay_.message());
   if (streams_[kCommand].subscriber.getNumPublishers() > 1)
     report.mergeSummary(DiagnosticStatus::WARN, "more than one node publishes servo_cp");
 
@@ -110,6 +118,9 @@ void Recorder::diagnose(diagnostic_updater::DiagnosticStatusWrapper& report) {
     report.addf(stream.topic + " rate [Hz]", "%.1f", rate);
     if (!stream.last.isZero()) report.addf(stream.topic + " age [s]", "%.3f", since(stream.last));
   }
+  if (delay_.known()) report.addf("delay of motion capture [s]", "%.3f", delay_.delay());
+  if (std::isfinite(delay_.modelDelay()))
+    report.addf("delay of the model [s]", "%.3f", delay_.modelDelay());
   report.add("bag", now.bag);
   report.add("pairs", now.pairs);
   report.add("dropped", now.dropped);

@@ -14,7 +14,9 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <new>
 #include <set>
+#include <stdexcept>
 
 #include "raven_correction/dataset/topic_check.h"
 #include "raven_correction/error.h"
@@ -39,6 +41,7 @@ struct RawStreams {
   std::map<std::string, std::set<std::string>> frames;  ///< by topic
   std::map<std::string, StampOrder> order;              ///< by topic
   std::map<std::string, std::size_t> zero_stamps;       ///< by topic
+  std::map<std::string, std::string> other_types;       ///< by topic: what cannot be read there
   std::vector<double> homed_at;                         ///< [s]
   std::vector<TopicType> topics;                        ///< that are in the bag
   JointStream joints;
@@ -74,7 +77,10 @@ bool isPoseStream(const std::string& topic) {
 void take(const rosbag::MessageInstance& instance, const Place& place, RawStreams& raw) {
   if (isPoseStream(place.topic)) {
     const auto pose = instance.instantiate<geometry_msgs::PoseStamped>();
-    if (!pose) return;
+    if (!pose) {
+      raw.other_types[place.topic] = instance.getDataType();
+      return;
+    }
     if (pose->header.stamp.isZero()) {  // by convention: not valid
       ++raw.zero_stamps[place.topic];
       return;
@@ -96,6 +102,8 @@ void take(const rosbag::MessageInstance& instance, const Place& place, RawStream
     if (homing && !homing->stamp.isZero()) raw.homed_at.push_back(homing->stamp.toSec());
   } else if (const auto event = instance.instantiate<TrajectoryEvent>()) {
     raw.events.push_back(*event);
+  } else if (place.topic == topics::kTrajectoryEvent) {
+    raw.other_types[place.topic] = instance.getDataType();
   } else if (const auto tf = instance.instantiate<tf2_msgs::TFMessage>()) {
     if (place.topic != withoutSlash(topics::kTfStatic)) return;
     for (const geometry_msgs::TransformStamped& transform : tf->transforms)
@@ -217,28 +225,53 @@ Trajectory cut(const RawStreams& raw, const TrajectoryGoal& goal, double next_st
   return trajectory;
 }
 
-void readMessages(const std::string& file, RawStreams& raw) {
+constexpr std::size_t kProgressMessages = 5000;  ///< between two calls of progress
+
+void readMessages(const std::string& file, const ShareRead& progress, RawStreams& raw) {
   if (!fs::is_regular_file(file)) throw InvalidInput(format("%s: no such file", file.c_str()));
-  try {
-    rosbag::Bag bag(file, rosbag::bagmode::Read);
-    for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections())
-      raw.topics.push_back({withoutSlash(connection->topic), connection->datatype});
-    std::map<std::string, std::size_t> count;  // by topic
-    for (const rosbag::MessageInstance& instance : rosbag::View(bag)) {
-      const std::string topic = withoutSlash(instance.getTopic());
-      take(instance, {file, topic, ++count[topic], instance.getTime()}, raw);
-    }
-  } catch (const rosbag::BagException& error) {
-    throw InvalidInput(
+  const auto damaged = [&](const std::exception& error) {
+    return InvalidInput(
         format("%s: not a complete bag (%s); if the recorder was killed, run "
                "`rosbag reindex %s`",
                file.c_str(), error.what(), file.c_str()));
+  };
+  try {
+    rosbag::Bag bag(file, rosbag::bagmode::Read);
+    rosbag::View view(bag);
+    for (const rosbag::ConnectionInfo* connection : view.getConnections())
+      raw.topics.push_back({withoutSlash(connection->topic), connection->datatype});
+    const std::size_t all = view.size();
+    std::size_t done = 0;
+    std::map<std::string, std::size_t> count;  // by topic
+    for (const rosbag::MessageInstance& instance : view) {
+      const std::string topic = withoutSlash(instance.getTopic());
+      take(instance, {file, topic, ++count[topic], instance.getTime()}, raw);
+      if (progress && ++done % kProgressMessages == 0)
+        progress(static_cast<double>(done) / static_cast<double>(all));
+    }
+  } catch (const ros::Exception& error) {  // of rosbag, or of a message that ends too soon
+    throw damaged(error);
+  } catch (const std::bad_alloc& error) {  // a length that a flipped bit has made huge
+    throw damaged(error);
+  } catch (const std::length_error& error) {
+    throw damaged(error);
   }
 }
 
-}  // namespace
-
-namespace {
+/// What is needed is there, and of the type that it must have.
+void checkTypes(const std::string& file, const RawStreams& raw) {
+  for (const auto& [topic, type] :
+       {std::make_pair(topics::kCommand, "geometry_msgs/PoseStamped"),
+        std::make_pair(topics::kMocap, "geometry_msgs/PoseStamped"),
+        std::make_pair(topics::kTrajectoryEvent, "raven_correction/TrajectoryEvent")}) {
+    const auto other = raw.other_types.find(topic);
+    if (other == raw.other_types.end()) continue;
+    throw InvalidInput(
+        format("%s: %s holds %s, expected %s of this version; the recorder writes it, whatever the "
+               "robot sends (its ~pose_type): record with it, or convert the bag",
+               file.c_str(), topic, other->second.c_str(), type));
+  }
+}
 
 /// @throws InvalidInput  always: a stream is missing, with what is there instead
 void refuseMissing(const std::string& file, const char* topic, const RawStreams& raw) {
@@ -259,10 +292,19 @@ void refuseMissing(const std::string& file, const char* topic, const RawStreams&
 
 }  // namespace
 
-Session readSessionParts(const std::vector<std::string>& parts) {
+ShareRead partOf(const ShareRead& progress, std::size_t i, std::size_t n) {
+  if (!progress) return {};
+  return [&progress, i, n](double share) {
+    progress((static_cast<double>(i) + share) / static_cast<double>(n));
+  };
+}
+
+Session readSessionParts(const std::vector<std::string>& parts, const ShareRead& progress) {
   const std::string& file = parts.front();  // for messages
   RawStreams raw;
-  for (const std::string& part : parts) readMessages(part, raw);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    readMessages(parts[i], partOf(progress, i, parts.size()), raw);
+  checkTypes(file, raw);
   for (const char* const topic : {topics::kCommand, topics::kMocap})
     if (raw.poses[topic].empty()) refuseMissing(file, topic, raw);
   const std::string base = frameOf(file, topics::kCommand, raw);
@@ -295,14 +337,14 @@ Session readSessionParts(const std::vector<std::string>& parts) {
   return session;
 }
 
-Session readSessionBag(const std::string& file) { return readSessionParts({file}); }
+Session readSessionBag(const std::string& file) { return readSessionParts({file}, {}); }
 
 bool holdsSession(const std::string& file) {
   try {
     rosbag::Bag bag(file, rosbag::bagmode::Read);
     for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections())
       if (withoutSlash(connection->topic) == topics::kMocap) return true;
-  } catch (const rosbag::BagException&) {
+  } catch (const ros::Exception&) {
   }
   return false;
 }

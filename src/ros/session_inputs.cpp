@@ -76,21 +76,20 @@ std::vector<std::string> inputsNamed(const std::vector<std::string>& names,
 namespace {
 
 /// All inputs as one session without goals.
-Session readSessions(const std::vector<std::string>& paths) {
+Session readSessions(const std::vector<std::string>& paths, const ShareRead& progress) {
   if (paths.empty()) throw InvalidInput("no input; give bags or data set directories");
   const std::vector<std::vector<std::string>> groups = groupParts(paths);
-  const auto read = [](const std::vector<std::string>& group) {
-    if (group.size() > 1) return readSessionParts(group);
+  const auto read = [&](std::size_t i) {
+    const std::vector<std::string>& group = groups[i];
+    if (group.size() > 1 || fs::is_regular_file(group.front()))
+      return readSessionParts(group, partOf(progress, i, groups.size()));
     Session session;
-    if (fs::is_directory(group.front()) || !fs::exists(group.front()))
-      session.dataset = readInput(group.front());
-    else
-      session = readSessionBag(group.front());
+    session.dataset = readInput(group.front());
     return session;
   };
-  Session all = read(groups.front());
+  Session all = read(0);
   for (std::size_t i = 1; i < groups.size(); ++i) {
-    Session next = read(groups[i]);
+    Session next = read(i);
     Dataset& more = next.dataset;
     if (more.frame != all.dataset.frame)
       throw InvalidInput(format("%s: poses are in frame \"%s\", those of %s in \"%s\"",
@@ -112,11 +111,13 @@ Session readSessions(const std::vector<std::string>& paths) {
 
 }  // namespace
 
-Dataset readInputs(const std::vector<std::string>& paths) { return readSessions(paths).dataset; }
+Dataset readInputs(const std::vector<std::string>& paths, const ShareRead& progress) {
+  return readSessions(paths, progress).dataset;
+}
 
 CheckedInputs readCheckedInputs(const std::vector<std::string>& paths,
-                                const std::vector<ArmKinematics>& arms) {
-  Session all = readSessions(paths);
+                                const std::vector<ArmKinematics>& arms, const ShareRead& progress) {
+  Session all = readSessions(paths, progress);
   CheckedInputs inputs;
   StreamCheckOptions options;
   options.arms = arms;

@@ -3,6 +3,7 @@
 // business of session_inputs.cpp.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,11 @@
 
 namespace raven_correction {
 
+/// Part i of n of what `progress` tells of; `progress` has to live as long as what is returned.
+ShareRead partOf(const ShareRead& progress, std::size_t i, std::size_t n);
+
 /// @param parts  files, in the order of their numbers
 /// @throws InvalidInput  see readSessionBag()
-Session readSessionParts(const std::vector<std::string>& parts);
+Session readSessionParts(const std::vector<std::string>& parts, const ShareRead& progress);
 
 }  // namespace raven_correction

@@ -21,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = 180.0 / 3.14159265358979323846;
+constexpr double kReading = 0.05;  // share of the work that is done after reading [-]
+constexpr double kTrained = 0.97;  // and after training and validating [-]
 
 template <typename Array>
 void copyComponents(const ErrorSummary& summary, Array& position, Array& angle) {
@@ -106,9 +108,28 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
 
 void TrainerNode::goLive(const Correction& model) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  publishLive(model);
+}
+
+/// mutex_ is held.
+void TrainerNode::publishLive(const Correction& model) {
   live_.push_back(model);
   model_publisher_.publish(modelToMsg(model));
   ROS_INFO("trainer: model %s is live", model.id.c_str());
+}
+
+/// Unless another model went live since the one that this one was compared with. @return why not
+std::string TrainerNode::goLiveInsteadOf(const std::string& before, const Correction& model,
+                                         bool force) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::string now = live_.empty() ? "" : live_.back().id;
+  if (now != before && !force)
+    return format(
+        "; meanwhile %s has come into use, with which it was not compared, so that stays: call "
+        "~retrain again, or ~load its file",
+        now.c_str());
+  publishLive(model);
+  return "";
 }
 
 /// Says what the model is for, so that no corrector of another arm or tool takes it.
@@ -158,15 +179,16 @@ void TrainerNode::publishReport(const ValidatedTraining& result,
 
 /// Checks before trust: what is learnt from a recording with an error in it is not to be used.
 /// @throws InvalidInput  there is one, and the request does not force it
-CheckedInputs TrainerNode::readChecked(const Retrain::Request& request,
-                                       Retrain::Response& response) const {
-  CheckedInputs inputs = readCheckedInputs(inputsNamed(request.bags, params_.data_directory),
-                                           loadArms(params_.robot, params_.other_robots, ""));
+CheckedInputs TrainerNode::readChecked(const std::vector<std::string>& names, bool force,
+                                       Retrain::Response& response) {
+  CheckedInputs inputs =
+      readCheckedInputs(names, loadArms(params_.robot, params_.other_robots, ""),
+                        [&](double fraction) { work_.report("reading", kReading * fraction); });
   for (const StreamFinding& finding : inputs.findings) {
     response.findings.push_back(toText(finding));
     ROS_WARN("trainer: %s", response.findings.back().c_str());
   }
-  if (!request.force) refuseErrors(inputs.findings, "force: true in the call of ~retrain");
+  if (!force) refuseErrors(inputs.findings, "force: true in the call of ~retrain");
   return inputs;
 }
 
@@ -179,7 +201,8 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
         loadSimulationConfig(expandHome(request.simulation)));
   if (!request.dry_run && !request.output.empty())
     checkOutputFile(expandHome(request.output), false);  // now, not after the training
-  const CheckedInputs inputs = readChecked(request, response);
+  const std::vector<std::string> names = inputsNamed(request.bags, params_.data_directory);
+  const CheckedInputs inputs = readChecked(names, request.force, response);
   const Dataset& dataset = inputs.dataset;
   Correction before;
   bool has_before = false;
@@ -192,9 +215,11 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
   const ValidatedTraining result =
       trainAndValidate(dataset, config, has_before ? &before : nullptr, now,
                        [&](const std::string& phase, double fraction) {
-                         work_.report(phase, 0.05 + 0.9 * fraction);
+                         work_.report(phase, kReading + (kTrained - kReading) * fraction);
                        });
   Correction model = result.training.model;
+  model.inputs.clear();
+  for (const std::string& name : names) model.inputs.push_back(fs::absolute(name).string());
   identify(model);
   model.homed_at = inputs.homed_at;
   response.model = model.id;
@@ -214,18 +239,19 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
     response.success = true;
     response.message += "; dry run: nothing written, nothing live";
   } else {
-    work_.report("saving", 0.97);
+    work_.report("saving", kTrained);
     const std::string file =
         request.output.empty() ? (fs::path(params_.model_directory) / (model.id + ".bag")).string()
                                : expandHome(request.output);
     writeModelFile(model, file, false);
     response.files.push_back(fs::absolute(file).string());
-    response.live = result.better || request.force;
     response.success = true;
-    if (response.live)
-      goLive(model);
-    else
-      response.message += "; not better, so the model in use stays (force: true overrides)";
+    const std::string stays =
+        result.better || request.force
+            ? goLiveInsteadOf(has_before ? before.id : "", model, request.force)
+            : "; not better, so the model in use stays (force: true overrides)";
+    response.live = stays.empty();
+    response.message += stays;
   }
   response.seconds = work_.seconds();
   samples_publisher_.publish(samplesToMsg(result.training));

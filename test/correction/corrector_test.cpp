@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "correction/corrector_fixture.h"
+#include "raven_correction/correction/path_follower.h"
 #include "raven_correction/error.h"
 #include "robot/robots.h"
 #include "support/allocation_guard.h"
@@ -377,6 +378,91 @@ TEST(CorrectorLimits, AreChecked) {
   limits.max_translation = 0.0;
   EXPECT_THROW(Corrector{limits}, InvalidInput);
   EXPECT_THROW(correctorModeFromName("on"), InvalidInput);
+}
+
+/// The answers to a stream whose poses are announced five poses before.
+class LookaheadTest : public CorrectorTest {
+ protected:
+  LookaheadTest() : corrector_(looseLimits()), causal_(looseLimits()) {
+    for (Corrector* const corrector : {&corrector_, &causal_}) {
+      corrector->setModel(model_);
+      corrector->setMode(CorrectorMode::kFull);
+    }
+  }
+  static Lookahead aheadOf(int i) { return {stampOf(i + 5), inside(i + 5)}; }
+  CorrectorOutput sendAnnounced(int i) {
+    const Lookahead ahead = aheadOf(i);
+    return corrector_.correct(stampOf(i), stampOf(i), inside(i), false, &ahead);
+  }
+  static void expectSameCommand(const CorrectorOutput& a, const CorrectorOutput& b) {
+    EXPECT_LT((a.command.p - b.command.p).norm(), 1e-9);
+    EXPECT_LT(rotationAngle(a.command.q, b.command.q), 1e-8);
+  }
+
+  Corrector corrector_, causal_;
+};
+
+TEST_F(LookaheadTest, TheCommandIsThatOfThePoseAheadWithItsMotion) {
+  std::vector<CorrectorOutput> later;
+  for (int i = 0; i < 105; ++i) later.push_back(send(causal_, i));
+  for (int i = 0; i < 100; ++i) {
+    const CorrectorOutput output = sendAnnounced(i);
+    EXPECT_TRUE(output.ahead);
+    if (i > 50) expectSameCommand(output, later[static_cast<std::size_t>(i + 5)]);
+  }
+}
+
+TEST_F(LookaheadTest, WithoutItTheAnswerIsTheCausalOneAtOnce) {
+  for (int i = 0; i < 100; ++i) {
+    const CorrectorOutput causal = send(causal_, i);
+    if (i >= 30 && i < 60) {
+      sendAnnounced(i);
+    } else {
+      const CorrectorOutput output = send(corrector_, i);
+      EXPECT_FALSE(output.ahead);
+      expectSameCommand(output, causal);
+    }
+  }
+}
+
+TEST_F(LookaheadTest, WhatIsPreparedAndNotSentChangesNothing) {
+  for (int i = 0; i < 60; ++i) {
+    const Lookahead far{stampOf(i + 9), inside(i + 40)};
+    if (i % 2 == 0) corrector_.prepare(stampOf(i), stampOf(i), inside(i), false, &far);
+    const CorrectorOutput output = sendAnnounced(i);
+    const Lookahead ahead = aheadOf(i);
+    expectSameCommand(output, causal_.correct(stampOf(i), stampOf(i), inside(i), false, &ahead));
+  }
+}
+
+TEST_F(LookaheadTest, OutsideTheWorkspaceAndInModeEndpointThePoseOfNowCounts) {
+  for (int i = 0; i < 20; ++i) sendAnnounced(i);
+  const Lookahead outside{stampOf(25), {{0.5, 0.0, 0.0}, inside(25).q}};
+  EXPECT_FALSE(corrector_.correct(stampOf(20), stampOf(20), inside(20), false, &outside).ahead);
+  corrector_.setMode(CorrectorMode::kEndpoint);
+  const Lookahead ahead = aheadOf(21);
+  EXPECT_FALSE(corrector_.correct(stampOf(21), stampOf(21), inside(21), true, &ahead).ahead);
+  corrector_.setMode(CorrectorMode::kOff);
+  const CorrectorOutput off = sendAnnounced(22);
+  EXPECT_TRUE(same(off.command, inside(22)));
+}
+
+TEST_F(LookaheadTest, DoesNotAllocate) {
+  PathFollower path;
+  path.begin();
+  for (int i = 0; i < 200; ++i) path.add(inside(i));
+  int allocations = 0, ahead_of = 0;
+  for (int i = 0; i < 150; ++i) {
+    const AllocationGuard guard;
+    path.follow(stampOf(i), inside(i));
+    const auto pose = path.ahead(0.1);
+    const Lookahead ahead{stampOf(i) + 0.1, pose.value_or(Pose())};
+    ahead_of +=
+        corrector_.correct(stampOf(i), stampOf(i), inside(i), false, pose ? &ahead : nullptr).ahead;
+    allocations += guard.count();
+  }
+  EXPECT_EQ(allocations, 0);
+  EXPECT_GT(ahead_of, 140);
 }
 
 }  // namespace

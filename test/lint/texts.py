@@ -114,13 +114,13 @@ def check_yaml(project):
 
 
 def known_tests(project):
-    """Suite.Name of every gtest and every unittest method."""
+    """Suite.Name of every gtest and every unittest method (ProcessTest: test/nodes/private_master.py)."""
     for name in project.matching(r"test/.*\.(cpp|py)"):
         suite = None
         for found in re.finditer(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", project.text(name), re.MULTILINE):
             yield f"{found[1]}.{found[2]}"
         for line in project.text(name).splitlines():
-            if found := re.match(r"class (\w+)\(unittest\.TestCase\)", line):
+            if found := re.match(r"class (\w+)\((?:unittest\.TestCase|ProcessTest)\)", line):
                 suite = found[1]
             elif found := re.match(r"    def (test_\w+)\(", line):
                 yield f"{suite}.{found[1]}"

@@ -4,72 +4,21 @@
 and started again, and model files that no corrector may start with. It has a master of its own."""
 
 import os
-import shutil
-import signal
-import socket
 import subprocess
-import sys
-import tempfile
 import threading
 import time
-import unittest
 import xmlrpc.client
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-NODES = Path(os.environ.get("RAVEN_BUILD", ROOT / "build")) / "devel/lib/raven_correction"
-LIMIT = 30.0  # for what takes less than a second on an idle machine [s]
+from private_master import FOLDER, ProcessTest
+from processes import LIMIT, kill, run_tests, until
 
+import rosbag
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
 
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-PORT = free_port()
-os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{PORT}"
-os.environ["ROS_IP"] = "127.0.0.1"
-FOLDER = Path(tempfile.mkdtemp(prefix="raven_correction_processes_"))
-os.environ["ROS_LOG_DIR"] = str(FOLDER / "log")
-
-# These read the environment.
-import rosbag  # noqa: E402 pylint: disable=wrong-import-position
-import rospy  # noqa: E402 pylint: disable=wrong-import-position
-import rosunit  # noqa: E402 pylint: disable=wrong-import-position
-from diagnostic_msgs.msg import DiagnosticArray  # noqa: E402 pylint: disable=wrong-import-position
-from geometry_msgs.msg import PoseStamped  # noqa: E402 pylint: disable=wrong-import-position
-
-from raven_correction.msg import CorrectionStatus  # noqa: E402 pylint: disable=wrong-import-position
-from rigid_model import rigid_model  # noqa: E402 pylint: disable=wrong-import-position
-
-
-def until(condition, limit=LIMIT):
-    end = time.monotonic() + limit
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.01)
-    return True
-
-
-def master_answers():
-    try:
-        return xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]).getPid("/test")[0] == 1
-    except OSError:
-        return False
-
-
-def start_master():
-    master = subprocess.Popen(["rosmaster", "--core", "-p", str(PORT)],
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    assert until(master_answers), "the master does not start"
-    return master
-
-
-def kill(process, how=signal.SIGKILL):
-    process.send_signal(how)
-    process.wait(LIMIT)
+from raven_correction.msg import CorrectionStatus
+from rigid_model import rigid_model
 
 
 def shift_model(shift=0.01, name="rigid"):
@@ -138,31 +87,7 @@ class Planner:
         return max((abs(b - a) for a, b in zip(places, places[1:])), default=0.0)
 
 
-class CorrectorProcesses(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.master = start_master()
-        cls.environment = dict(os.environ)
-        rospy.init_node("corrector_processes", disable_signals=True)
-
-    @classmethod
-    def tearDownClass(cls):
-        rospy.signal_shutdown("done")
-        kill(cls.master)
-        shutil.rmtree(FOLDER, ignore_errors=True)
-
-    def start(self, node, **parameters):
-        if rospy.has_param(f"/arm/{node}"):
-            rospy.delete_param(f"/arm/{node}")
-        for name, value in parameters.items():
-            rospy.set_param(f"/arm/{node}/{name}", value)
-        log = open(FOLDER / f"{node}.log", "w")  # pylint: disable=consider-using-with
-        self.addCleanup(log.close)
-        process = subprocess.Popen([str(NODES / node), "__ns:=/arm", f"__name:={node}"],
-                                   stdout=log, stderr=subprocess.STDOUT)
-        self.addCleanup(lambda: process.poll() is None and kill(process))
-        return process
-
+class CorrectorProcesses(ProcessTest):
     def planner(self):
         planner = Planner()
         self.addCleanup(planner.stop)
@@ -233,13 +158,13 @@ class CorrectorProcesses(unittest.TestCase):
         diagnostics = rospy.Subscriber("/diagnostics", DiagnosticArray, said.append)
         self.addCleanup(diagnostics.unregister)
         self.assertTrue(until(lambda: said))
-        kill(type(self).master)
+        self.kill_master()
         first = len(planner.statuses)
         self.assertTrue(until(lambda: len(planner.statuses) > first + 200))
         # Diagnostics say that nobody watches the output any more.
         self.assertTrue(until(lambda: any("the master has not answered" in status.message
                                           for array in said for status in array.status)))
-        type(self).master = start_master()
+        self.start_master()
         # The corrector tells the new master of itself, so that others find its topics and services.
         # All that a corrector which is started at a new master tells it.
         self.assertTrue(until(lambda: known() == before), (known(), before))
@@ -286,4 +211,4 @@ class CorrectorProcesses(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rosunit.unitrun("raven_correction", "corrector_processes", CorrectorProcesses, sys.argv)
+    run_tests("corrector_processes", CorrectorProcesses)

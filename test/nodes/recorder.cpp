@@ -5,8 +5,6 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/String.h>
 #include <tf2_ros/static_transform_broadcaster.h>
@@ -17,19 +15,15 @@
 #include <thread>
 
 #include "raven_correction/Pair.h"
-#include "raven_correction/RecorderStatus.h"
-#include "raven_correction/StartRecording.h"
-#include "raven_correction/StopRecording.h"
 #include "raven_correction/TrajectoryEvent.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "support/node_main.h"
+#include "support/recorder_probe.h"
 #include "support/spin_until.h"
 
 namespace raven_correction {
 namespace {
-
-constexpr double kLimit = 15.0;  // for everything that takes milliseconds [s]
 
 Pose screw(double t) {  // never the identity, which is no command
   const Eigen::Vector3d v(0.05, -0.02, 0.01), w(0.3, 0.5, -0.2);
@@ -38,71 +32,7 @@ Pose screw(double t) {  // never the identity, which is no command
 
 const Pose X_base_mocap{{0.087, 1.778, -0.770}, expRotation({0.1, -0.4, 1.2})};
 
-/// One arm seen from outside: its status, its services.
-class Arm {
- public:
-  explicit Arm(const std::string& ns) : nh(ns) {
-    status_subscriber_ =
-        nh.subscribe<RecorderStatus>("recorder/status", 100, [this](const auto& message) {
-          status_ = *message;
-          ++statuses_;
-        });
-    EXPECT_TRUE(ros::service::waitForService(nh.resolveName("recorder/start"), 15000));
-    EXPECT_TRUE(until([this] { return statuses_ > 0; }));
-  }
-  StartRecording::Response start(const std::string& bag) {
-    StartRecording call;
-    call.request.bag = bag;
-    EXPECT_TRUE(ros::service::call(nh.resolveName("recorder/start"), call));
-    return call.response;
-  }
-  StopRecording::Response stop() {
-    StopRecording call;
-    EXPECT_TRUE(ros::service::call(nh.resolveName("recorder/stop"), call));
-    return call.response;
-  }
-  /// Waits for a condition while messages arrive.
-  template <typename Condition>
-  bool until(Condition condition) {
-    return spinUntil(condition, kLimit);
-  }
-  bool untilReceived(const std::string& topic, std::uint64_t count) {
-    const auto reached = [&] { return received(topic) >= count; };
-    return until(reached);
-  }
-  std::uint64_t received(const std::string& topic) const {
-    for (std::size_t i = 0; i < status_.topics.size(); ++i)
-      if (status_.topics[i] == nh.resolveName(topic)) return status_.messages[i];
-    return 0;
-  }
-  const RecorderStatus& status() const { return status_; }
-  template <typename Message>
-  ros::Publisher advertise(const std::string& topic) {
-    ros::Publisher publisher = nh.advertise<Message>(topic, 100000);
-    EXPECT_TRUE(until([&] { return publisher.getNumSubscribers() > 0; })) << topic;
-    return publisher;
-  }
-
-  ros::NodeHandle nh;
-
- private:
-  RecorderStatus status_;
-  int statuses_ = 0;
-  ros::Subscriber status_subscriber_;
-};
-
-template <typename Message>
-std::vector<boost::shared_ptr<Message>> read(const std::vector<std::string>& bags,
-                                             const std::string& topic) {
-  std::vector<boost::shared_ptr<Message>> all;
-  for (const std::string& path : bags) {
-    rosbag::Bag bag(path, rosbag::bagmode::Read);
-    rosbag::View view(bag, rosbag::TopicQuery(topic));
-    for (const rosbag::MessageInstance& message : view)
-      all.push_back(message.instantiate<Message>());
-  }
-  return all;
-}
+using Arm = RecorderProbe;
 
 TEST(RecorderNode, StartsAndStopsAsTheServicesSay) {
   Arm arm("/raven/left");

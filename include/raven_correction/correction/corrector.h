@@ -35,6 +35,12 @@ struct CorrectorLimits {
   double max_measured_age = 0.1;
 };
 
+/// Where the planner says that the tool will be.
+struct Lookahead {
+  double stamp = 0.0;  ///< after that of the desired pose [s]
+  Pose pose;           ///< in the base frame
+};
+
 struct CorrectorOutput {
   CorrectorCode code = CorrectorCode::kRefusedNotFinite;
   CorrectorMode mode = CorrectorMode::kOff;  ///< in which it was answered
@@ -47,6 +53,7 @@ struct CorrectorOutput {
   double distance = 0.0;    ///< of the desired pose from the box of the training poses [m]
   const std::string* model = nullptr;  ///< id of the model used, or null
   ToolKnownBy tool_known_by = ToolKnownBy::kNotAsked;
+  bool ahead = false;  ///< the correction is that of the pose ahead
 };
 
 /// One corrector serves one stream of desired poses from one thread; setModel() and setMode()
@@ -109,14 +116,20 @@ class Corrector {
   /// @param now      the clock [s]
   /// @param desired  in the base frame
   /// @param endpoint  the pose is the first or last of a path (counts in mode endpoint only)
-  CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint) noexcept {
-    const CorrectorOutput output = prepare(stamp, now, desired, endpoint);
+  /// @param ahead  where the tool is to be after modelDelay(), or null. Then step 2 is T = F(x') -
+  /// x of
+  ///        that pose x', with its motion: the tool is there when it should be. Not in mode
+  ///        endpoint, and not where x' is outside the workspace of the model.
+  CorrectorOutput correct(double stamp, double now, const Pose& desired, bool endpoint,
+                          const Lookahead* ahead = nullptr) noexcept {
+    const CorrectorOutput output = prepare(stamp, now, desired, endpoint, ahead);
     commit();
     return output;
   }
   /// What correct() would answer; nothing of it counts unless commit() follows. For a message that
   /// moves several arms and is sent whole or not at all.
-  CorrectorOutput prepare(double stamp, double now, const Pose& desired, bool endpoint) noexcept;
+  CorrectorOutput prepare(double stamp, double now, const Pose& desired, bool endpoint,
+                          const Lookahead* ahead = nullptr) noexcept;
   /// The command of the last prepare() was sent; or it was kRefusedUnreachable, and the correction
   /// is taken back by a step. Nothing happens after any other refusal.
   void commit() noexcept;
@@ -130,6 +143,10 @@ class Corrector {
   CorrectorOutput prepareParts(double stamp, double now, const Pose& desired, bool position,
                                bool orientation) noexcept;
 
+  /// Of the model in use: how far the tool is behind the commands; nothing without a model. Of the
+  /// live thread. [s]
+  std::optional<double> modelDelay() const noexcept;
+
   /// Forgets the stream (after a jump of the clock); the correction in force goes on from where it
   /// is.
   void restart() noexcept;
@@ -137,18 +154,23 @@ class Corrector {
  private:
   struct Live {
     explicit Live(const Correction& model)
-        : predictor(model), workspace(predictor.makeWorkspace()), estimator(model.motion) {}
+        : predictor(model),
+          workspace(predictor.makeWorkspace()),
+          estimator(model.motion),
+          ahead(model.motion) {}
     Predictor predictor;
     std::shared_ptr<Predictor::Workspace> workspace;
     MotionEstimator estimator;
+    MotionEstimator ahead;  ///< of the motion that is announced
   };
 
   CorrectorOutput answer() const noexcept;
-  void aim(Live* live, const Pose& desired, bool endpoint, Pose& wanted,
+  void aim(Live* live, const Pose& desired, bool endpoint, const Motion* ahead, Pose& wanted,
            CorrectorOutput& output) noexcept;
 
   void discard() noexcept;
   void follow(MotionEstimator& follower, double stamp, const Pose& desired) noexcept;
+  const Motion* followAhead(Live* live, const Lookahead* ahead) noexcept;
   void takeBackAfterHold(double stamp) noexcept;
   double stepTime(double stamp) const noexcept;
   void keepWithinLimits(double now, Pose desired, bool position, bool orientation,
@@ -171,7 +193,8 @@ class Corrector {
     Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< correction in force, base frame
     Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     ///< rotation vector, tool frame
     Pose last_command;
-    bool commanded = false;  ///< last_command is one
+    bool commanded = false;            ///< last_command is one
+    MotionEstimator* ahead = nullptr;  ///< has followed the announced motion up to here
   };
 
   // Of the live thread.
@@ -180,6 +203,7 @@ class Corrector {
   bool prepared_ = false;                        // next_ is valid
   bool held_seen_ = false;                       // by next_
   MotionEstimator* followed_ = nullptr;          // has the pose of next_, too; null: none has
+  MotionEstimator* followed_ahead_ = nullptr;    // has the pose ahead of it, too; null: none has
   MotionEstimator before_models_;                // follows the motion until there is a model
   MotionEstimator* follower_ = &before_models_;  // who follows it now
   Pose measured_;

@@ -22,6 +22,7 @@
 #include <string>
 
 #include "raven_correction/correction/corrector.h"
+#include "raven_correction/correction/path_follower.h"
 #include "raven_correction/dataset/topic_check.h"
 #include "raven_correction/ros/arm_observer.h"
 #include "raven_correction/ros/corrector_params.h"
@@ -104,6 +105,8 @@ class CorrectedArm {
   };
 
   bool isEndpoint(const Pose& desired) const noexcept;
+  const Lookahead* lookAhead(double stamp, const Pose& desired, Lookahead& ahead) noexcept;
+  void forgetPath() noexcept;
   void onPath(const geometry_msgs::PoseArray& path);
   void onMeasured(const geometry_msgs::PoseStampedConstPtr& measured);
   void onModel(const CorrectionModel& msg);
@@ -125,19 +128,21 @@ class CorrectedArm {
   // Of the live thread alone.
   Pose path_first_, path_last_;
   bool has_path_ = false;
+  PathFollower path_;
   struct Known {
     Pose pose;  ///< what the planner asked for last: the parts that a later request leaves out
     bool position = false, orientation = false;  ///< are known
   };
   Known known_, next_known_;  // next_known_: once the request is sent
   bool prepared_ = false;     // the last request asked something of corrector_
+  bool followed_ = false;     // path_ has followed it, and it is not sent yet
   MessagePool<CorrectionStatus> statuses_;
 
   // Counted by the live thread, read by diagnostics.
   std::array<std::atomic<std::uint64_t>, kCodes> counts_{};
   LatencyHistogram latency_;
   std::atomic<double> distance_{0.0};
-  std::atomic<std::uint64_t> beyond_{0};
+  std::atomic<std::uint64_t> beyond_{0}, ahead_{0};
   std::atomic<ToolKnownBy> tool_known_by_{ToolKnownBy::kNotAsked};
 
   std::atomic<double> master_heard_at_;  // [s] of the steady clock

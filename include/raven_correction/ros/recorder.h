@@ -16,10 +16,12 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/CorrectionModel.h"
 #include "raven_correction/RecorderStatus.h"
 #include "raven_correction/StartRecording.h"
 #include "raven_correction/StopRecording.h"
 #include "raven_correction/TrajectoryEvent.h"
+#include "raven_correction/ros/delay_watch.h"
 #include "raven_correction/ros/live_synchroniser.h"
 #include "raven_correction/ros/registration.h"
 #include "raven_correction/ros/robot_state.h"
@@ -46,6 +48,7 @@ struct RecorderParams {
   std::string robot;              ///< chain of this arm, for the checks; empty: not checked
   std::vector<std::string> other_robots;  ///< chains of arms it could be mixed up with
   LiveSynchroniserOptions pairs;
+  DelayWatchOptions delay;
   double split_size_mb = 0.0;    ///< a part is closed at this size [1e6 byte]; 0: never
   double split_duration = 0.0;   ///< a part is closed after this time [s]; 0: never
   double min_free_mb = 1000.0;   ///< the recording ends below this free space [1e6 byte]
@@ -134,6 +137,7 @@ class Recorder {
   Registration registration_;
   StaticTransforms static_transforms_;
   LiveSynchroniser synchroniser_;
+  DelayWatch delay_;
   std::unique_ptr<StreamWatch> watch_;
   std::set<std::string> warned_of_;  // stream and kind of findings
   std::optional<RobotState> robot_state_;
@@ -161,7 +165,7 @@ class Recorder {
 
   ros::Publisher pairs_publisher_, status_publisher_;
   diagnostic_updater::Updater diagnostics_;
-  ros::Subscriber static_transforms_subscriber_, robot_state_subscriber_;
+  ros::Subscriber static_transforms_subscriber_, robot_state_subscriber_, model_subscriber_;
   ros::ServiceServer start_service_, stop_service_;
   ros::WallTimer timer_;
 };

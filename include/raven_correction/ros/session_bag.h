@@ -3,6 +3,7 @@
 // sets as bags. The live recorder writes bags message by message.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,15 @@ struct Session {
   std::vector<double> homed_at;       ///< homings that the recorder knew of, in order [s]
 };
 
+/// Is called now and then with the share that is read, 0 to 1; what it throws ends the reading.
+using ShareRead = std::function<void(double)>;
+
 /// Reads a session from one bag. Poses of mocap/measured_cp are registered into the base frame by
 /// the bag's /tf_static. Raw streams are kept as they are, also what is not finite.
-/// @throws InvalidInput  no such file, not a bag or cut off (run `rosbag reindex`), no command or
-///         no observation in it, stamps that go back on a topic (the text has the message and how
-///         to cut the bag there), or no registration (the text names the frames)
+/// @throws InvalidInput  no such file, not a bag, damaged or cut off (run `rosbag reindex`), no
+///         command or no observation in it, topics of another message type, stamps that go back on
+///         a topic (the text has the message and how to cut the bag there), or no registration (the
+///         text names the frames)
 Session readSessionBag(const std::string& file);
 
 /// Whether the file is a complete bag with motion capture in it.
@@ -47,8 +52,8 @@ std::vector<std::string> inputsNamed(const std::vector<std::string>& names,
 /// All inputs as one data set, sorted by start. Parts NAME_0.bag, NAME_1.bag, ... of a recording
 /// that was split are read as one session, in the order of their numbers. Trajectory names that
 /// occur twice get the name of their input in front.
-/// @throws InvalidInput  no input, or different base frames
-Dataset readInputs(const std::vector<std::string>& paths);
+/// @throws InvalidInput  no input, different base frames, or see readInput()
+Dataset readInputs(const std::vector<std::string>& paths, const ShareRead& progress = {});
 
 /// The same, with what is known beside the streams, and what the checks of the streams say.
 struct CheckedInputs {
@@ -59,7 +64,8 @@ struct CheckedInputs {
 /// @param arms  whose joints they may be, see StreamCheckOptions
 /// @throws InvalidInput  see readInputs(); findings are no exception (refuseErrors())
 CheckedInputs readCheckedInputs(const std::vector<std::string>& paths,
-                                const std::vector<ArmKinematics>& arms);
+                                const std::vector<ArmKinematics>& arms,
+                                const ShareRead& progress = {});
 
 /// Writes pose streams and trajectory events; `frame` of the data set is the frame of all poses.
 /// Measured joints go to measured_js; commanded joints beside commanded poses are left out.

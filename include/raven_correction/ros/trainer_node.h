@@ -51,9 +51,12 @@ class TrainerNode {
 
   void retrain(const Retrain::Request& request, Retrain::Response& response);
   void goLive(const Correction& model);
+  void publishLive(const Correction& model);
+  std::string goLiveInsteadOf(const std::string& before, const Correction& model, bool force);
   void identify(Correction& model) const;
   void publishReport(const ValidatedTraining& result, const Retrain::Response& response);
-  CheckedInputs readChecked(const Retrain::Request& request, Retrain::Response& response) const;
+  CheckedInputs readChecked(const std::vector<std::string>& names, bool force,
+                            Retrain::Response& response);
 
   ros::NodeHandle nh_, private_nh_;
   TrainerParams params_;
