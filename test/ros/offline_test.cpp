@@ -471,14 +471,20 @@ TEST_F(OfflineTest, RecordingsThatCannotBeTrustedAreRefusedUnlessForced) {
     expectRefused(refused, "--ignore-checks");
     EXPECT_FALSE(fs::exists(model_));
   }
-  // Joints of the other arm: named where both robots are.
+  // Joints of the other arm: named where both robots are. (Bags hold joints beside poses.)
   const std::string left = "config/robots/raven2_left.yaml";
   const std::string right = "config/robots/raven2_right.yaml";
-  expectRefused(offline({"train", session_, "-o", model_, "--config", config_, "--robot", right,
-                         "--robot", left}),
-                "the arms are mixed up");
-  const Outcome forced = offline({"train", session_, "-o", model_, "--config", config_, "--robot",
-                                  right, "--robot", left, "--ignore-checks"});
+  const std::string bag = folder_.path() + "/left.bag";
+  ASSERT_EQ(offline({"simulate", "--trajectories", "10", "-o", bag, "--simulation",
+                     "config/simulation/raven2_left_case2014.yaml"})
+                .code,
+            0);
+  std::vector<std::string> words{"train", bag,       "-o",  model_,    "--config",
+                                 config_, "--robot", right, "--robot", left};
+  expectRefused(offline(words), "the arms are mixed up");
+  EXPECT_FALSE(fs::exists(model_));
+  words.push_back("--ignore-checks");
+  const Outcome forced = offline(words);
   EXPECT_EQ(forced.code, 0) << forced.text;
   EXPECT_NE(forced.text.find("the arms are mixed up"), std::string::npos) << forced.text;
 }
