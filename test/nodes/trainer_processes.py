@@ -13,7 +13,7 @@ import rospy
 from raven_correction.msg import WorkProgress
 from raven_correction.srv import Retrain
 
-SLOW = """process: {criterion: likelihood, length_scales: per_feature, grouping: per_component,
+SLOW = """process: {criterion: likelihood, length_scales: per_feature, grouping: own,
           max_hyper_points: 3000, max_exact_points: 3000, backend: exact, restarts: 20}
 """
 
