@@ -6,11 +6,13 @@
 #include <cstring>
 #include <ctime>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
 
 #include "raven_correction/correction/physics.h"
+#include "raven_correction/dataset/speed_delay.h"
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/rigid_fit.h"
 #include "raven_correction/regression/fit_progress.h"
@@ -62,6 +64,16 @@ double resolveDelay(const Dataset& dataset, const TrainingConfig& config, DelayR
   if (!(problem.max_gap > 0.0)) return 0.0;  // synchronise() will say what is missing
   estimate = estimateDelay(dataset, problem);
   return estimate.delay;
+}
+
+/// nan where speeds do not tell it.
+double speedDelayOf(const Dataset& dataset, const TrainingConfig& config) {
+  SpeedDelayProblem problem;
+  problem.min = -0.1;  // clocks may differ
+  problem.max = std::max(problem.max, config.delay_max);
+  const DelayResult estimate = estimateSpeedDelay(dataset, problem);
+  return estimate.status == DelayResult::Status::kOk ? estimate.delay
+                                                     : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// The pairs that survived cleaning, or as many of them as were asked for, in order.
@@ -184,6 +196,7 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
   Correction& model = result.model;
   report("synchronising", 0.0);
   model.delay = resolveDelay(dataset, config, result.delay);
+  model.speed_delay = speedDelayOf(dataset, config);
   if (config.simulation) result.simulation = config.simulation->name;
   if (config.simulation) model.physics = physicsOf(*config.simulation, dataset, model.delay);
   const TrainingPairs pairs = makePairs(dataset, config, model.delay);

@@ -8,96 +8,19 @@
 #include <utility>
 #include <vector>
 
+#include "raven_correction/dataset/speed_delay.h"
 #include "raven_correction/error.h"
 
 namespace raven_correction {
 namespace {
 
 constexpr double kPeriod = 0.005;          // between samples that are kept [s]
-constexpr double kStep = 0.01;             // of the search, and between instants compared [s]
-constexpr double kStroke = 0.1;            // over which a speed is taken [s]
-constexpr double kLongestGap = 0.1;        // of a stream that is bridged [s]
-constexpr double kFastest = 0.4;           // faster is no robot [m/s]
-constexpr double kLeastMotion = 2e-4;      // deviation of the strokes of the commands [m]
-constexpr double kLeastCorrelation = 0.7;  // of speeds that belong together [-]
-constexpr std::size_t kFewest = 200;       // instants compared [1]
 constexpr double kRenewed = 0.25;          // share of the window between two estimates [-]
 constexpr double kFilled = 0.5;            // share of the window that both streams must fill [-]
 constexpr double kStampResolution = 1e-6;  // of a time of today as a double, and more [s]
 
 double duration(const PoseStream& stream) {
   return stream.empty() ? 0.0 : stream.back().stamp - stream.front().stamp;
-}
-
-/// How far the tool came within kStroke before each instant [m]; nan across a gap.
-std::vector<double> strokes(const PoseStream& stream, double first, std::size_t count) {
-  std::vector<double> all(count, std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < count; ++i) {
-    const double t = first + kStep * static_cast<double>(i);
-    const auto here = poseAt(stream, t, kLongestGap),
-               there = poseAt(stream, t - kStroke, kLongestGap);
-    if (here && there) all[i] = std::min((here->p - there->p).norm(), kFastest * kStroke);
-  }
-  return all;
-}
-
-/// Correlation of the observed strokes with those of the commands `shift` steps before, and the
-/// standard deviation of the latter [m].
-struct Agreement {
-  double correlation = -1.0, deviation = 0.0;
-  std::size_t count = 0;
-};
-Agreement agreement(const std::vector<double>& observed, const std::vector<double>& commanded,
-                    std::size_t shift) {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
-  for (std::size_t i = 0; i < observed.size(); ++i) {
-    const double a = observed[i], b = commanded[i + shift];
-    if (!std::isfinite(a) || !std::isfinite(b)) continue;
-    n += 1.0;
-    x += a;
-    y += b;
-    xx += a * a;
-    yy += b * b;
-    xy += a * b;
-  }
-  Agreement result;
-  result.count = static_cast<std::size_t>(n);
-  if (result.count < 2) return result;
-  const double vx = xx / n - x * x / (n * n), vy = yy / n - y * y / (n * n);
-  result.deviation = std::sqrt(std::max(0.0, vy));
-  if (vx > 0.0 && vy > 0.0) result.correlation = (xy / n - x * y / (n * n)) / std::sqrt(vx * vy);
-  return result;
-}
-
-/// The delay at which the speed of the tool is most like that of its commands: errors of the robot
-/// that stay, and registration, hardly change a speed, so a few motions tell it.
-DelayResult delayBySpeed(const PoseStream& commands, const PoseStream& observations, double start,
-                         double end, double least, double most) {
-  DelayResult result;
-  result.status = DelayResult::Status::kNotObservable;
-  const auto steps = static_cast<std::size_t>(std::lround((most - least) / kStep));
-  const auto count = static_cast<std::size_t>((end - start) / kStep);
-  const std::vector<double> observed = strokes(observations, start, count);
-  // Command k is that of the instant start - most + k steps.
-  const std::vector<double> commanded = strokes(commands, start - most, count + steps);
-  std::size_t best = 0;
-  std::vector<double> correlation;
-  for (std::size_t shift = 0; shift <= steps; ++shift) {
-    const Agreement found = agreement(observed, commanded, shift);
-    correlation.push_back(found.correlation);
-    result.pairs = std::max(result.pairs, found.count);
-    if (found.count < kFewest || found.deviation < kLeastMotion) return result;
-    if (found.correlation > correlation[best]) best = shift;
-  }
-  if (correlation[best] < kLeastCorrelation) return result;
-  result.status = DelayResult::Status::kAtLimit;
-  result.delay = most - kStep * static_cast<double>(best);
-  if (best == 0 || best == steps) return result;
-  result.status = DelayResult::Status::kOk;
-  const double left = correlation[best - 1], right = correlation[best + 1];
-  const double curvature = left - 2.0 * correlation[best] + right;
-  if (curvature < 0.0) result.delay -= kStep * 0.5 * (left - right) / curvature;
-  return result;
 }
 
 }  // namespace
@@ -110,8 +33,8 @@ DelayWatch::DelayWatch(const DelayWatchOptions& options) : options_(options) {
 }
 
 void DelayWatch::setModel(const std::string& id, double delay) {
-  if (delay == 0.0) delay = std::numeric_limits<double>::quiet_NaN();
-  if (id == model_ && delay == model_delay_) return;
+  if (id == model_ && (delay == model_delay_ || (std::isnan(delay) && std::isnan(model_delay_))))
+    return;
   model_ = id;
   model_delay_ = delay;
   status_ = DelayResult::Status::kNotRun;
@@ -154,12 +77,20 @@ void DelayWatch::update() {
   if (std::min(duration(commands_), duration(observations_)) < kFilled * options_.window) return;
   estimated_at_ = newest;
 
-  estimate_ =
-      std::async(std::launch::async, [commands = commands_, observations = observations_, newest,
-                                      window = options_.window, delay = model_delay_] {
-        return delayBySpeed(commands, observations, newest - window, newest, delay - kRange,
-                            delay + kRange);
-      });
+  Dataset window;
+  window.trajectories.resize(1);
+  window.trajectories.front().commands = commands_;
+  PoseStream& seen = window.trajectories.front().observations;
+  const auto first = std::find_if(
+      observations_.begin(), observations_.end(),
+      [&](const StampedPose& sample) { return sample.stamp >= newest - options_.window; });
+  seen.assign(first, observations_.end());
+  SpeedDelayProblem problem;
+  problem.min = model_delay_ - kRange;
+  problem.max = model_delay_ + kRange;
+  estimate_ = std::async(std::launch::async, [window = std::move(window), problem] {
+    return estimateSpeedDelay(window, problem);
+  });
 }
 
 void DelayWatch::take(const DelayResult& result) {
@@ -169,8 +100,9 @@ void DelayWatch::take(const DelayResult& result) {
   const double change = delay_ - model_delay_;
   if (!known() || (!atLimit() && !(std::abs(change) > options_.max_change))) return;
   message_ = format(
-      "motion capture is %.3f s behind the commands, %.3f s in the model %s: %s%.3f s %s; has a "
-      "clock of one host been set, does one run off (chrony), or is the robot another? with clocks "
+      "motion capture is %.3f s behind the commands (by speeds), %.3f s in what model %s was "
+      "trained on: %s%.3f s %s; has a clock of one host been set, does one run off (chrony), or is "
+      "the robot another? with clocks "
       "in order, train again",
       delay_, model_delay_, model_.c_str(), atLimit() ? "at least " : "", std::abs(change),
       change > 0.0 ? "more" : "less");

@@ -116,6 +116,7 @@ CorrectionModel modelToMsg(const Correction& model) {
   msg.input_hash = model.input_hash;
   msg.configuration = model.configuration;
   msg.delay = model.delay;
+  msg.speed_delay = model.speed_delay;
   msg.rigid = poseToMsg(model.rigid);
   msg.mean_orientation = poseToMsg({{}, model.mean_orientation}).orientation;
   msg.velocity = velocityName(model.motion.velocity);
@@ -166,6 +167,7 @@ Correction modelFromMsg(const CorrectionModel& msg) {
   model.input_hash = msg.input_hash;
   model.configuration = msg.configuration;
   model.delay = msg.delay;
+  model.speed_delay = msg.speed_delay;
   model.rigid = poseFromMsg(msg.rigid);
   geometry_msgs::Pose orientation;
   orientation.orientation = msg.mean_orientation;

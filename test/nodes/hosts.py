@@ -251,7 +251,7 @@ class Hosts(unittest.TestCase):
         self.assertTrue(self.observer.says("recorder", lambda status: has_delay(status) and not warns(status)),
                         self.observer.diagnostics[-5:])
         right = delays[-1]
-        self.assertAlmostEqual(right, self.model.delay, delta=0.03)
+        self.assertAlmostEqual(right, self.model.speed_delay, delta=0.02)
         clock.publish(CLOCK_ERROR)
         self.assertTrue(self.observer.says(
             "recorder", lambda status: has_delay(status) and warns(status) and

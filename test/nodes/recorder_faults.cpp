@@ -156,6 +156,7 @@ TEST(RecorderFaults, ClockOfTheCamerasThatIsOffIsReportedAsAChangeOfTheDelay) {
   CorrectionModel trained;
   trained.id = "trained";
   trained.delay = kDelay;
+  trained.speed_delay = kDelay;
   model.publish(trained);
   // Half a minute of stamps at once: what counts are stamps.
   double start = ros::Time::now().toSec();

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "raven_correction/dataset/dataset_directory.h"
+#include "raven_correction/dataset/speed_delay.h"
 #include "raven_correction/dataset/synchronisation.h"
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/statistics.h"
@@ -60,13 +61,13 @@ class DelayWatchTest : public ::testing::Test {
   std::mt19937_64 random_{1};
 };
 
-TEST_F(DelayWatchTest, SaysNothingWithoutAModelOrADelayInIt) {
+TEST_F(DelayWatchTest, SaysNothingWithoutAModelOrASpeedDelayInIt) {
   DelayWatch watch({});
   run(watch, 90.0, 0.0);
   EXPECT_FALSE(watch.known());
   EXPECT_TRUE(std::isnan(watch.modelDelay()));
   EXPECT_EQ(watch.message(), "");
-  watch.setModel("paper", 0.0);  // a model that knows of no delay
+  watch.setModel("paper", std::nan(""));  // speeds did not tell when it was trained
   run(watch, 90.0, 0.0);
   EXPECT_FALSE(watch.known());
   EXPECT_EQ(watch.message(), "");
@@ -90,7 +91,7 @@ TEST_F(DelayWatchTest, ReportsAClockThatIsOffAndItsReturn) {
     EXPECT_NE(watch.message().find(error > 0.0 ? "0.050 s more" : "0.050 s less"),
               std::string::npos)
         << watch.message();
-    EXPECT_NE(watch.message().find("0.150 s in the model m"), std::string::npos);
+    EXPECT_NE(watch.message().find("0.150 s in what model m was trained on"), std::string::npos);
     run(watch, 90.0, 0.0);
     EXPECT_NEAR(watch.delay(), kDelay, 0.002);
     EXPECT_EQ(watch.message(), "");
@@ -139,11 +140,11 @@ struct Watched {
   std::string message;          ///< the first one
 };
 Watched watchSession(const Dataset& session) {
-  DelayProblem whole;
-  whole.max_gap = commandGapLimit(session, SynchronisationOptions());
-  const DelayResult model = estimateDelay(session, whole);
+  const DelayResult model = estimateSpeedDelay(session, SpeedDelayProblem());
   DelayWatch watch({});
-  watch.setModel("whole", model.delay);
+  // Where the whole does not tell, the watch may still believe that a minute does.
+  const double delay = model.status == DelayResult::Status::kOk ? model.delay : 0.17;
+  watch.setModel("whole", delay);
   PoseStream commands, observations;
   for (const Trajectory& trajectory : session.trajectories) {
     const PoseStream& c = trajectory.commands;
@@ -160,8 +161,7 @@ Watched watchSession(const Dataset& session) {
     watch.addObservation(seen);
     update(watch);
     if (watched.message.empty()) watched.message = watch.message();
-    if (watch.known() && watch.delay() != last)
-      watched.changes.push_back(watch.delay() - model.delay);
+    if (watch.known() && watch.delay() != last) watched.changes.push_back(watch.delay() - delay);
     if (watch.known()) last = watch.delay();
   }
   return watched;

@@ -31,6 +31,7 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
       written.motion.play_angle = 0.4;
     }
     written.homed_at = 900.5;
+    written.speed_delay = 0.1171875;
     written.expires_at = 5000.25;
     writeModelFile(written, file, true);
     const Correction read = readModelFile(file);
@@ -38,6 +39,7 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
     EXPECT_EQ(read.delay, written.delay);
     EXPECT_EQ(read.trained_at, written.trained_at);
     EXPECT_EQ(read.homed_at, written.homed_at);
+    EXPECT_EQ(read.speed_delay, written.speed_delay);
     EXPECT_EQ(read.expires_at, written.expires_at);
     EXPECT_EQ(read.rigid.p, written.rigid.p);
     EXPECT_EQ(read.rigid.q.coeffs(), written.rigid.q.coeffs());

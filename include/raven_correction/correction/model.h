@@ -51,7 +51,9 @@ struct Correction {
   std::string configuration;        ///< the complete trainer configuration, YAML
 
   double delay = 0.0;  ///< observation behind command [s]
-  Pose rigid;          ///< G, applied from the left
+  /// The same by speeds (dataset/speed_delay.h), to compare with later; nan: they do not tell [s].
+  double speed_delay = std::numeric_limits<double>::quiet_NaN();
+  Pose rigid;  ///< G, applied from the left
   Eigen::Quaterniond mean_orientation = Eigen::Quaterniond::Identity();  ///< after G
   MotionOptions motion;
   GpModel process;  ///< H; without groups F is G alone (or what the simulation says)

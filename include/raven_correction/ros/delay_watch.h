@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far motion capture lags behind the commands at present, against the delay of the model in
-// use: a clock that is off, of one host against another, shows as a change of it. Estimated from
-// the speeds in the last seconds of both streams; that of a whole recording, from its poses, is
-// dataset/delay.h.
+// How far motion capture lags behind the commands at present, by the speeds in the last minute of
+// both streams (dataset/speed_delay.h), against the same of what the model in use was trained on: a
+// clock that is off, of one host against another, shows as a change.
 #pragma once
 
 #include <future>
@@ -16,7 +15,7 @@ namespace raven_correction {
 
 struct DelayWatchOptions {
   double window = 60.0;      ///< of both streams that an estimate looks at, > 0 [s]
-  double max_change = 0.04;  ///< a larger difference from the model's is reported; 0: none is [s]
+  double max_change = 0.03;  ///< a larger difference from the model's is reported; 0: none is [s]
 };
 
 /// Of one thread, which never waits: estimates are made in another one.
@@ -28,7 +27,8 @@ class DelayWatch {
   explicit DelayWatch(const DelayWatchOptions& options);
 
   /// What the delay is held against. What was estimated about another model is forgotten.
-  /// @param delay  [s]; 0: the model knows of none, and nothing is held against it
+  /// @param delay  Correction::speed_delay [s]; nan: the model knows of none, and nothing is held
+  ///               against it
   void setModel(const std::string& id, double delay);
   /// Samples in any one frame each, by increasing stamp: later ones that go back are left out. At
   /// most 200 a second are kept.
