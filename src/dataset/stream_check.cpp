@@ -56,14 +56,8 @@ StreamCheck::Sample& StreamCheck::take(Track& track, double stamp, double arriva
   Sample sample;
   sample.stamp = stamp;
   sample.arrival = arrival;
-  if (!(stamp > 0.0)) {
-    ++track.zero_stamps;
-  } else {
+  if (stamp > 0.0) {
     if (track.last_stamp > 0.0) sample.interval = stamp - track.last_stamp;
-    if (sample.interval < 0.0) {
-      ++track.backwards;
-      track.furthest_back = std::max(track.furthest_back, -sample.interval);
-    }
     track.last_stamp = stamp;
   }
   if (options_.window > 0 && track.samples.size() >= options_.window) track.samples.pop_front();
@@ -75,22 +69,22 @@ void StreamCheck::addPose(StreamRole role, double stamp, double arrival, std::st
                           const Pose& pose, const Pose* X_base_frame) {
   Track& track = tracks_[static_cast<std::size_t>(role)];
   Sample& sample = take(track, stamp, arrival);
-  const auto known = track.frames.find(std::string(frame));
-  if (known != track.frames.end())
-    ++known->second;
-  else if (track.frames.size() < kMaxFrames)
-    track.frames.emplace(frame, 1);
+  auto known = std::find(track.frames.begin(), track.frames.end(), frame);
+  if (known == track.frames.end() && track.frames.size() < kMaxFrames)
+    known = track.frames.insert(known, std::string(frame));
+  if (known == track.frames.end()) --known;  // one too many in any case
+  sample.frame = static_cast<std::uint8_t>(known - track.frames.begin());
   sample.distance = std::numeric_limits<double>::quiet_NaN();
   if (!isFinite(pose)) {
-    ++track.not_finite;
+    sample.value = Value::kNotFinite;
     return;
   }
   if (!hasUnitQuaternion(pose)) {
-    ++track.not_unit;
+    sample.value = Value::kNotUnit;
     return;
   }
   if (isIdentity(pose)) {  // what a controller sends before it knows better
-    ++track.identity;
+    sample.value = Value::kIdentity;
     return;
   }
   sample.distance = pose.p.norm();
@@ -115,25 +109,48 @@ void StreamCheck::addJoints(double stamp, double arrival, const std::vector<std:
   if (positions.allFinite() && positions.size() == static_cast<Eigen::Index>(names.size()))
     sample.joints = positions;
   else
-    ++track.not_finite;
+    sample.value = Value::kNotFinite;
+}
+
+std::size_t StreamCheck::countOf(const Track& track, Value value) {
+  return static_cast<std::size_t>(
+      std::count_if(track.samples.begin(), track.samples.end(),
+                    [value](const Sample& sample) { return sample.value == value; }));
+}
+
+std::vector<std::string> StreamCheck::framesOf(const Track& track) {
+  std::vector<std::string> frames;
+  for (std::size_t i = 0; i < track.frames.size(); ++i)
+    if (std::any_of(track.samples.begin(), track.samples.end(),
+                    [i](const Sample& sample) { return sample.frame == i; }))
+      frames.push_back(track.frames[i]);
+  return frames;
 }
 
 // --- one stream ----------------------------------------------------------------------------------
 
 void StreamCheck::checkStamps(StreamRole role, std::vector<StreamFinding>& findings) const {
   const Track& track = this->track(role);
-  const double zero = share(track.zero_stamps, track.count);
+  const std::size_t count = track.samples.size();
+  std::size_t zero_stamps = 0, backwards = 0;
+  double furthest_back = 0.0;  // [s]
+  for (const Sample& sample : track.samples) {
+    zero_stamps += sample.stamp > 0.0 ? 0 : 1;
+    backwards += sample.interval < 0.0 ? 1 : 0;
+    furthest_back = std::max(furthest_back, -sample.interval);
+  }
+  const double zero = share(zero_stamps, count);
   if (zero > kBadShare)
     findings.push_back(
         {zero > kMostly ? Severity::kError : Severity::kWarning, name(role), "stamps",
-         format("%zu of %zu are zero", track.zero_stamps, track.count), "zero means: not valid",
+         format("%zu of %zu are zero", zero_stamps, count), "zero means: not valid",
          role == StreamRole::kObservations
              ? "let the driver fill the header, or set the recorder's mocap_stamp: receipt"
              : "let the source fill the header"});
-  if (track.backwards > 0)
+  if (backwards > 0)
     findings.push_back({Severity::kError, name(role), "order",
                         format("%zu of %zu stamps lie before the one before, by up to %.3f s",
-                               track.backwards, track.count, track.furthest_back),
+                               backwards, count, furthest_back),
                         "stamps must not go back",
                         "a clock was set back, a bag is played in a loop, or two nodes publish "
                         "there: stop the second one, or record again"});
@@ -200,27 +217,29 @@ void StreamCheck::checkClock(StreamRole role, std::vector<StreamFinding>& findin
 
 void StreamCheck::checkValues(StreamRole role, std::vector<StreamFinding>& findings) const {
   const Track& track = this->track(role);
-  const std::size_t bad = track.not_finite + track.not_unit;
-  if (share(bad, track.count) > kBadShare)
+  const std::size_t count = track.samples.size();
+  const std::size_t not_finite = countOf(track, Value::kNotFinite),
+                    not_unit = countOf(track, Value::kNotUnit),
+                    identity = countOf(track, Value::kIdentity), bad = not_finite + not_unit;
+  if (share(bad, count) > kBadShare)
     findings.push_back(
-        {share(bad, track.count) > kMostly ? Severity::kError : Severity::kWarning, name(role),
-         "values",
+        {share(bad, count) > kMostly ? Severity::kError : Severity::kWarning, name(role), "values",
          format("%zu of %zu are not finite, %zu have a quaternion that is not of unit length",
-                track.not_finite, track.count, track.not_unit),
+                not_finite, count, not_unit),
          format("at most %.0f %%", 100.0 * kBadShare),
          "look at the source: a lost marker, a default message?"});
-  if (share(track.identity, track.count) > kMostly)
+  if (share(identity, count) > kMostly)
     findings.push_back({Severity::kWarning, name(role), "values",
-                        format("%zu of %zu are the identity pose", track.identity, track.count),
+                        format("%zu of %zu are the identity pose", identity, count),
                         format("at most %.0f %%", 100.0 * kMostly),
                         "the source does not know its pose: is the robot homed?"});
 }
 
 void StreamCheck::checkFrame(StreamRole role, std::vector<StreamFinding>& findings) const {
   const Track& track = this->track(role);
+  const std::vector<std::string> frames = framesOf(track);
   std::string all;
-  for (const auto& [frame, count] : track.frames)
-    all += (all.empty() ? "\"" : ", \"") + frame + "\"";
+  for (const std::string& frame : frames) all += (all.empty() ? "\"" : ", \"") + frame + "\"";
   const bool camera = role == StreamRole::kObservations;
   const bool registered = std::any_of(track.samples.begin(), track.samples.end(),
                                       [](const Sample& sample) { return sample.placed; });
@@ -228,15 +247,15 @@ void StreamCheck::checkFrame(StreamRole role, std::vector<StreamFinding>& findin
       camera || options_.base_frame.empty() || (role == StreamRole::kEncoders && registered);
   const std::string expected = any_frame ? std::string("one frame for all messages")
                                          : "only \"" + options_.base_frame + "\"";
-  bool wrong = track.frames.size() > 1;
+  bool wrong = frames.size() > 1;
   if (!any_frame)
-    for (const auto& [frame, count] : track.frames)
+    for (const std::string& frame : frames)
       wrong |= plainFrame(frame) != plainFrame(options_.base_frame);
   if (wrong)
     findings.push_back({Severity::kError, name(role), "frame", all, expected,
                         camera ? "record one tracked body per topic"
                                : "set base_frame, or let the source transform its poses"});
-  else if (camera && track.frames.count("") > 0)
+  else if (camera && std::count(frames.begin(), frames.end(), "") > 0)
     findings.push_back({Severity::kError, name(role), "frame", "messages name no frame",
                         "the frame in which the tracker sees",
                         "let the driver name it, or set mocap_frame"});
@@ -247,9 +266,9 @@ void StreamCheck::checkUnits(StreamRole role, std::vector<StreamFinding>& findin
   for (const Sample& sample : track(role).samples)
     if (std::isfinite(sample.distance)) distances.push_back(sample.distance);
   if (distances.empty()) return;
-  const auto& frames = track(role).frames;
+  const std::vector<std::string> frames = framesOf(track(role));
   const bool in_base =
-      frames.size() == 1 && plainFrame(frames.begin()->first) == plainFrame(options_.base_frame);
+      frames.size() == 1 && plainFrame(frames.front()) == plainFrame(options_.base_frame);
   const bool camera = role == StreamRole::kObservations && !in_base;
   const double limit = camera ? options_.max_camera_distance : options_.max_distance;
   const double distance = median(distances);

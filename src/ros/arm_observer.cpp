@@ -122,12 +122,19 @@ bool ArmObserver::enough(std::size_t poses, double extent) const {
 ArmObserver::Moves ArmObserver::observe(double duration, std::size_t poses, double extent) {
   using Clock = std::chrono::steady_clock;
   Moves moves;
+  const auto refused = [&] {
+    if (observing_) moves.problem = "a pre-flight is running; wait until it has returned";
+    return observing_;
+  };
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (observing_) {
-      moves.problem = "a pre-flight is running; wait until it has returned";
-      return moves;
-    }
+    if (refused()) return moves;
+  }
+  // It asks the master, which may not answer: never while diagnostics wait for the lock.
+  auto listener = std::make_unique<Registration>(params_.base_frame);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (refused()) return moves;
     drain();  // what came before
     observing_ = true;
     commands_.clear();
@@ -136,11 +143,19 @@ ArmObserver::Moves ArmObserver::observe(double duration, std::size_t poses, doub
     registered_ = false;
     frame_.clear();
     moves_check_.clear();
-    registration_ = std::make_unique<Registration>(params_.base_frame);
+    registration_ = std::move(listener);
   }
-  ros::Subscriber mocap = subscribePose(
-      nh_, mocap_topic_, params_.mocap_pose_type, kMocapQueue,
-      [this](const geometry_msgs::PoseStampedConstPtr& message) { onMocap(message); });
+  ros::Subscriber mocap;
+  try {
+    mocap = subscribePose(
+        nh_, mocap_topic_, params_.mocap_pose_type, kMocapQueue,
+        [this](const geometry_msgs::PoseStampedConstPtr& message) { onMocap(message); });
+  } catch (const ros::Exception& error) {  // another part of this process reads it in another type
+    const std::lock_guard<std::mutex> lock(mutex_);
+    observing_ = false;
+    moves.problem = error.what();
+    return moves;
+  }
   const auto start = Clock::now();
   const auto end = start + std::chrono::duration<double>(duration);
   std::unique_lock<std::mutex> lock(mutex_);

@@ -344,7 +344,8 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
     status.mergeSummary(Level::WARN, "the model has expired");
   // A model knows of the homing that it was recorded after, or at least when it was trained.
   const double valid_from = model_.homed_at > 0.0 ? model_.homed_at : model_.trained_at;
-  if (homed_at_ > valid_from + kSameHoming && !model_.id.empty())
+  const bool proven = preflight_state_ == PreflightState::kPassed;  // since then
+  if (homed_at_ > valid_from + kSameHoming && !model_.id.empty() && !proven)
     status.mergeSummary(Level::WARN, model_.homed_at > 0.0
                                          ? "the robot was homed after the model was recorded"
                                          : "the robot was homed after the model was trained");

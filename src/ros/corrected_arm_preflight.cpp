@@ -10,6 +10,8 @@ namespace raven_correction {
 namespace {
 
 constexpr double kDegree = 180.0 / 3.14159265358979323846;
+constexpr double kLongest = 600.0;            // as of preflight_duration [s]
+constexpr std::uint32_t kMostPoses = 100000;  // as of preflight_poses [1]
 
 }  // namespace
 
@@ -63,6 +65,7 @@ std::string CorrectedArm::refusal(CorrectorMode mode, bool override_preflight) c
 
 bool CorrectedArm::setMode(CorrectorMode mode, bool override_preflight) {
   const bool on = mode != CorrectorMode::kOff;
+  const std::uint32_t offs = on ? offs_.load() : ++offs_;
   if (on && gate_.required() && override_preflight) {
     const std::uint32_t homings = gate_.homings();
     const std::shared_ptr<const Correction> model = candidate();
@@ -73,8 +76,8 @@ bool CorrectedArm::setMode(CorrectorMode mode, bool override_preflight) {
     }
   }
   corrector_.setMode(mode);
-  // A homing in between has switched it off, before or after.
-  const bool in_force = !on || !gate_.required() || inUseIsCleared();
+  // What has switched it off in between, before or after, wins.
+  const bool in_force = !on || (offs_.load() == offs && (!gate_.required() || inUseIsCleared()));
   if (!in_force) corrector_.setMode(CorrectorMode::kOff);
   ROS_INFO("corrector: %s%smode %s", arm_.ns.c_str(), arm_.ns.empty() ? "" : ": ",
            correctorModeName(corrector_.mode()));
@@ -104,6 +107,11 @@ void CorrectedArm::preflight(const Preflight::Request& request, Preflight::Respo
                               &response.position_limit_mm, &response.orientation_limit_deg,
                               &response.position_before_mm, &response.orientation_before_deg})
     *value = none;
+  if (!(request.duration >= 0.0 && request.duration <= kLongest) || request.poses > kMostPoses) {
+    response.message = format("duration %g s and %u poses: at most %g s and %u", request.duration,
+                              request.poses, kLongest, kMostPoses);
+    return;
+  }
   const std::shared_ptr<const Correction> model = candidate();
   if (model == nullptr) {
     response.message = "there is no model to judge; train or load one first";

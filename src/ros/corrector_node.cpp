@@ -28,8 +28,10 @@ bool setModes(const std::vector<CorrectedArm*>& arms, CorrectorMode mode, bool o
   message = std::string("mode ") + correctorModeName(mode);
   bool in_force = true;
   for (CorrectedArm* const arm : arms) in_force &= arm->setMode(mode, override_preflight);
-  if (!in_force) message = "the robot was homed meanwhile: a pre-flight has to pass again";
-  return in_force;
+  if (in_force) return true;
+  for (CorrectedArm* const arm : arms) arm->setMode(CorrectorMode::kOff, false);
+  message = "the robot was homed or the correction switched off meanwhile: all is off";
+  return false;
 }
 
 /// Bit for bit, in the parts that are asked for.
@@ -100,6 +102,8 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   check_spinner_ = std::make_unique<ros::AsyncSpinner>(static_cast<std::uint32_t>(arms_.size() + 1),
                                                        &check_queue_);
   check_spinner_->start();
+  switch_spinner_ = std::make_unique<ros::AsyncSpinner>(2, &switch_queue_);
+  switch_spinner_->start();
   ROS_INFO("corrector: %s -> %s (%s)", desired_subscriber_.getTopic().c_str(),
            command_publisher_.getTopic().c_str(), params_.pose_type.c_str());
 }
@@ -107,6 +111,7 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
 CorrectorNode::~CorrectorNode() {
   for (const auto& arm : arms_) arm->stop();
   check_spinner_->stop();
+  switch_spinner_->stop();
   live_spinner_->stop();
   model_spinner_->stop();
   master_spinner_->stop();
@@ -356,8 +361,10 @@ void CorrectorNode::offerServices(const std::string& ns, const std::vector<Corre
     }
     return true;
   };
-  services_.push_back(private_nh_.advertiseService(ns + "set_mode", set_mode));
-  services_.push_back(private_nh_.advertiseService(ns + "enable", enable));
+  ros::NodeHandle switches(private_nh_);
+  switches.setCallbackQueue(&switch_queue_);
+  services_.push_back(switches.advertiseService(ns + "set_mode", set_mode));
+  services_.push_back(switches.advertiseService(ns + "enable", enable));
 }
 
 /// Answered by a thread that may wait: what switches the correction off never does.

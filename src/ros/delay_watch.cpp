@@ -70,8 +70,9 @@ void DelayWatch::update() {
     if (!stale_) take(result);
     stale_ = false;
   }
-  if (!std::isfinite(model_delay_) || observations_.empty()) return;
-  const double newest = observations_.back().stamp;
+  if (!std::isfinite(model_delay_) || observations_.empty() || commands_.empty()) return;
+  // Of what one of the streams has not said yet (it is on its way, or silent) nothing is known.
+  const double newest = std::min(observations_.back().stamp, commands_.back().stamp + model_delay_);
   if (newest < estimated_at_) estimated_at_ = newest;  // the stream began anew
   if (newest - estimated_at_ < kRenewed * options_.window) return;
   if (std::min(duration(commands_), duration(observations_)) < kFilled * options_.window) return;

@@ -59,6 +59,7 @@ LongWork::Result LongWork::run(const std::function<std::string()>& work) {
               name_ + " is running; see ~progress and call again when it has ended, or ~cancel it"};
     started_ = ros::SteadyTime::now();
     busy_ = true;
+    ++run_;
     cancelled_ = false;
     cancel_ = false;
   }
@@ -92,9 +93,14 @@ bool LongWork::onCancel(std_srvs::Trigger::Request& /*request*/,
     return true;
   }
   cancel_ = true;
-  if (!ended_.wait_for(lock, kLongestStep, [this] { return !busy_; })) {
+  const std::uint64_t mine = run_;  // the next piece may begin before this thread wakes
+  if (!ended_.wait_for(lock, kLongestStep, [&] { return run_ != mine || !busy_; })) {
     response.message =
         "asked; " + name_ + " has not come to the end of its step yet, see ~progress";
+    return true;
+  }
+  if (run_ != mine) {
+    response.message = name_ + " has ended, and another one runs; see ~progress";
     return true;
   }
   response.success = cancelled_;

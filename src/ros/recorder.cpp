@@ -60,7 +60,8 @@ Recorder::Recorder(ros::NodeHandle nh, ros::NodeHandle private_nh, const Recorde
       nh_.subscribe(topics::kTfStatic, 100, &Recorder::onStaticTransforms, this);
   if (params.delay.max_change > 0.0)
     model_subscriber_ = nh_.subscribe<CorrectionModel>(
-        topics::kModel, 1, [this](const auto& model) { delay_.setModel(model->id, model->speed_delay); });
+        topics::kModel, 1,
+        [this](const auto& model) { delay_.setModel(model->id, model->speed_delay); });
   pose(kCommand, topics::kCommand, params.command_type, &Recorder::onCommand);
   pose(kDesired, topics::kDesired, params.command_type, &Recorder::onDesired);
   pose(kMocap, topics::kMocap, params.mocap_pose_type, &Recorder::onMocap);

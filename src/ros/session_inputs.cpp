@@ -122,17 +122,21 @@ CheckedInputs readCheckedInputs(const std::vector<std::string>& paths,
   StreamCheckOptions options;
   options.arms = arms;
   inputs.findings = checkDataset(all.dataset, options);
-  if (!all.homed_at.empty()) inputs.homed_at = all.homed_at.back();
-  const std::vector<Trajectory>& trajectories = all.dataset.trajectories;
+  const std::vector<Trajectory>& trajectories = all.dataset.trajectories;  // by start
+  // The one that what is learnt from came after; those that followed have made it out of date.
+  for (const double homed : all.homed_at)
+    if (!trajectories.empty() && homed <= trajectories.back().start()) inputs.homed_at = homed;
+  const double last = all.homed_at.empty() ? 0.0 : all.homed_at.back();
   std::size_t before = 0;
-  for (const Trajectory& trajectory : trajectories)
-    before += trajectory.start() < inputs.homed_at ? 1 : 0;
-  if (before > 0 && before < trajectories.size())
+  for (const Trajectory& trajectory : trajectories) before += trajectory.start() < last ? 1 : 0;
+  if (before > 0)
     inputs.findings.push_back(
         {StreamFinding::Severity::kWarning, topics::kRobotHomed, "homing",
          format("the robot was homed after %zu of %zu trajectories", before, trajectories.size()),
-         "one homing for all that is learnt from",
-         "each homing leaves other offsets: leave out what was recorded before the last one"});
+         "one homing for all that is learnt from, and none after it",
+         before < trajectories.size()
+             ? "each homing leaves other offsets: leave out what was recorded before the last one"
+             : "each homing leaves other offsets: a model of this is out of date, record again"});
   inputs.dataset = std::move(all.dataset);
   return inputs;
 }

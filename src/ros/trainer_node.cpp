@@ -178,8 +178,8 @@ void TrainerNode::publishReport(const ValidatedTraining& result,
 }
 
 /// Checks before trust: what is learnt from a recording with an error in it is not to be used.
-/// @throws InvalidInput  there is one, and the request does not force it
-CheckedInputs TrainerNode::readChecked(const std::vector<std::string>& names, bool force,
+/// @throws InvalidInput  there is one, and the request does not ignore it
+CheckedInputs TrainerNode::readChecked(const std::vector<std::string>& names, bool ignore_checks,
                                        Retrain::Response& response) {
   CheckedInputs inputs =
       readCheckedInputs(names, loadArms(params_.robot, params_.other_robots, ""),
@@ -188,7 +188,7 @@ CheckedInputs TrainerNode::readChecked(const std::vector<std::string>& names, bo
     response.findings.push_back(toText(finding));
     ROS_WARN("trainer: %s", response.findings.back().c_str());
   }
-  if (!force) refuseErrors(inputs.findings, "force: true in the call of ~retrain");
+  if (!ignore_checks) refuseErrors(inputs.findings, "ignore_checks: true in the call of ~retrain");
   return inputs;
 }
 
@@ -202,7 +202,7 @@ void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& re
   if (!request.dry_run && !request.output.empty())
     checkOutputFile(expandHome(request.output), false);  // now, not after the training
   const std::vector<std::string> names = inputsNamed(request.bags, params_.data_directory);
-  const CheckedInputs inputs = readChecked(names, request.force, response);
+  const CheckedInputs inputs = readChecked(names, request.ignore_checks, response);
   const Dataset& dataset = inputs.dataset;
   Correction before;
   bool has_before = false;

@@ -199,6 +199,7 @@ struct Live {
   }
   StreamCheck check{options()};
   double age = 0.01;
+  int sent = 0;
 
   /// Twelve seconds of a sound session, changed by `change`.
   template <typename Change>
@@ -210,7 +211,7 @@ struct Live {
         std::string frame;
         Pose pose;
       };
-      const double t = kStart + 0.02 * i;
+      const double t = kStart + 0.02 * sent++;
       Message command{t, t + age, "0_link", along(t)};
       Message seen{t, t + age, "mocap", kError * along(t - kDelay)};
       change(i, command, seen);
@@ -283,11 +284,23 @@ TEST(StreamCheckLive, PosesThatAreNoneAreCounted) {
 
 TEST(StreamCheckLive, WhatIsOutOfTheWindowCountsNoMore) {
   Live live;
-  live.run([](int, auto& command, auto&) { command.pose.p *= 1e3; });
+  live.run([](int i, auto& command, auto& seen) {
+    command.pose.p *= 1e3;
+    if (i == 300) command.stamp -= 1.0;
+    if (i % 2 == 0) seen.frame = "body_2";
+    if (i % 3 == 0) seen.pose.p.x() = std::nan("");
+    if (i % 3 == 1) seen.stamp = 0.0;
+  });
   EXPECT_TRUE(anyError(live.check.findings()));
-  live.check.clear();
-  const auto findings = live.run([](int, auto&, auto&) {});
+  const auto findings = live.run([](int, auto&, auto&) {});  // longer than the window
   EXPECT_TRUE(findings.empty()) << textOf(findings);
+}
+
+TEST(StreamCheckLive, WhatGoesWrongAfterALongTimeIsNamedAtOnce) {
+  Live live;
+  for (int i = 0; i < 30; ++i) live.run([](int, auto&, auto&) {});
+  expectOnly(live.run([](int, auto&, auto& seen) { seen.pose.p.x() = std::nan(""); }),
+             Severity::kError, "observations", "values", "source");
 }
 
 TEST(StreamCheckLive, JointsInDegreesAreCaughtWithoutARobot) {

@@ -73,6 +73,9 @@ class PreflightFaults : public ::testing::Test {
       pose.p *= metres_;
       seen.pose = poseToMsg(pose);
       if (sees_) mocap_.publish(seen);
+      if (!repeats_ || seen_ % 50 != 0) continue;
+      seen.header.stamp -= ros::Duration(1.0);  // a second node sends old poses there
+      mocap_.publish(seen);
     }
   }
   template <typename Condition>
@@ -179,7 +182,7 @@ class PreflightFaults : public ::testing::Test {
   const double start_ = ros::Time::now().toSec();
   std::size_t seen_ = 0;
   int states_ = 0;
-  bool moves_ = true, homed_ = true, sees_ = true;
+  bool moves_ = true, homed_ = true, sees_ = true, repeats_ = false;
   double metres_ = 1.0;
   Pose robot_ = kRobot;
   std::string model_id_;
@@ -293,12 +296,25 @@ TEST_F(PreflightFaults, PosesInMillimetresDoNotPass) {
   EXPECT_FALSE(enable(true).success);
 }
 
+TEST_F(PreflightFaults, GoodNumbersOfStreamsThatAreNotToBeTrustedDoNotPass) {
+  repeats_ = true;
+  const Preflight::Response judged = preflight();
+  EXPECT_LT(judged.position_median_mm, judged.position_limit_mm) << judged.message;
+  EXPECT_TRUE(judged.success);
+  EXPECT_FALSE(judged.passed);
+  EXPECT_NE(judged.message.find("not to be trusted"), std::string::npos) << judged.message;
+  EXPECT_FALSE(enable(true).success);
+}
+
 TEST_F(PreflightFaults, OneRunsAtATimeAndSwitchingOffDoesNotWait) {
+  ASSERT_TRUE(preflight().passed);
+  ASSERT_TRUE(enable(true).success);
+  ASSERT_TRUE(corrects(model_id_));
   sees_ = false;  // so that the first one goes on
   const auto begin = [&] {
     return std::async(std::launch::async, [name = probe_.nh.resolveName("corrector/preflight")] {
       Preflight service;
-      service.request.duration = 5.0;
+      service.request.duration = 20.0;
       EXPECT_TRUE(ros::service::call(name, service));
       return service.response;
     });
@@ -311,7 +327,8 @@ TEST_F(PreflightFaults, OneRunsAtATimeAndSwitchingOffDoesNotWait) {
     second = preflight(0.2);
     return second.message.find("a pre-flight is running") != std::string::npos;
   })) << second.message;
-  EXPECT_TRUE(setMode("off").success);
+  EXPECT_TRUE(enable(false).success);
+  EXPECT_TRUE(saysCode(CorrectionStatus::PASSED_OFF));
   EXPECT_NE(first.wait_for(std::chrono::seconds(0)), std::future_status::ready);
   EXPECT_TRUE(
       run([&] { return first.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }));

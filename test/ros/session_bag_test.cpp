@@ -171,6 +171,23 @@ TEST_F(SessionBag, HomingsAreKnownAndOneInTheMiddleIsAWarning) {
   EXPECT_TRUE(said);
 }
 
+TEST_F(SessionBag, AHomingAfterAllTrajectoriesIsNotWhatTheyWereRecordedAfter) {
+  rosbag::Bag bag(path("s.bag"), rosbag::bagmode::Write);
+  for (const double homed : {8.0, 30.0}) {
+    std_msgs::Header homing;
+    homing.stamp = ros::Time(homed);
+    bag.write(topics::kRobotHomed, homing.stamp, homing);
+  }
+  event(bag, 10.0, "t", TrajectoryEvent::START);
+  streams(bag, 10.0, 12.0, "0_link", "0_link");
+  event(bag, 12.0, "t", TrajectoryEvent::END);
+  bag.close();
+  const CheckedInputs inputs = readCheckedInputs({path("s.bag")}, {});
+  EXPECT_EQ(inputs.homed_at, 8.0);
+  ASSERT_FALSE(inputs.findings.empty());
+  EXPECT_NE(toText(inputs.findings.back()).find("out of date"), std::string::npos);
+}
+
 TEST_F(SessionBag, EncodersOfAnotherFrameAreRegisteredOrLeftOut) {
   for (const bool registered : {true, false}) {
     const std::string file = path(registered ? "known.bag" : "unknown.bag");

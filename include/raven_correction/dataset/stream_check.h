@@ -7,10 +7,10 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -85,20 +85,21 @@ class StreamCheck {
   std::vector<StreamFinding> allFindings() const;
 
  private:
+  enum class Value : std::uint8_t { kGood, kNotFinite, kNotUnit, kIdentity };
   struct Sample {
     double stamp = 0.0, arrival = 0.0;
     double interval = 0.0;  // since the sample before; 0: none, or another trajectory [s]
     double distance = 0.0;  // from the origin of its own frame [m]
     bool repeated = false;
-    Pose base;  // in base, where that is known
+    Value value = Value::kGood;
+    std::uint8_t frame = 0;  // index into Track::frames
+    Pose base;               // in base, where that is known
     bool placed = false;
     Eigen::VectorXd joints;
   };
   struct Track {
-    std::size_t count = 0, not_finite = 0, not_unit = 0, zero_stamps = 0, backwards = 0,
-                identity = 0;
-    double furthest_back = 0.0;  // [s]
-    std::map<std::string, std::size_t> frames;
+    std::size_t count = 0;
+    std::vector<std::string> frames;  // that were named; those of the window: framesOf()
     std::vector<std::string> joint_names;
     double last_stamp = 0.0;  // 0: none in this trajectory
     Pose last_pose;
@@ -109,6 +110,9 @@ class StreamCheck {
   const std::string& name(StreamRole role) const {
     return options_.names[static_cast<std::size_t>(role)];
   }
+  static std::size_t countOf(const Track& track, Value value);
+  /// Of the samples that count.
+  static std::vector<std::string> framesOf(const Track& track);
   Sample& take(Track& track, double stamp, double arrival);
   void checkStamps(StreamRole role, std::vector<StreamFinding>& findings) const;
   void checkClock(StreamRole role, std::vector<StreamFinding>& findings) const;

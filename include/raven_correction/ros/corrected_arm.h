@@ -78,7 +78,9 @@ class CorrectedArm {
   /// Why the correction may not be switched on; empty: it may.
   /// @param override_preflight  somebody takes the responsibility
   std::string refusal(CorrectorMode mode, bool override_preflight) const;
-  /// After refusal() was empty. @return false if it is off all the same: the robot was homed
+  /// After refusal() was empty; with an override it may wait for a model. Thread-safe, and off
+  /// wins.
+  /// @return false if it is off all the same: the robot was homed, or it was switched off,
   /// meanwhile
   bool setMode(CorrectorMode mode, bool override_preflight);
   CorrectorMode mode() const noexcept { return corrector_.mode(); }
@@ -148,6 +150,7 @@ class CorrectedArm {
   std::atomic<double> master_heard_at_;  // [s] of the steady clock
   std::atomic<double> homed_at_{0.0};    // Unix time; 0: not seen [s]
 
+  std::atomic<std::uint32_t> offs_{0};  // times it was switched off by somebody
   PreflightGate gate_;
   std::atomic<PreflightState> preflight_state_;  // of the model in use
   ArmObserver observer_;

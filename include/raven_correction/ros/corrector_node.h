@@ -24,9 +24,9 @@ namespace raven_correction {
 class CorrectorNode {
  public:
   /// Poses are handled by one thread of their own, models and questions to the master by one each,
-  /// checks and pre-flights by some that may wait,
-  /// everything else, above all what switches the correction off, by whoever spins the queue of the
-  /// node handles.
+  /// checks and pre-flights by some that may wait, what switches the correction on or off by two
+  /// (on may have to wait for a model, off never waits), everything else by whoever spins the queue
+  /// of the node handles.
   /// @throws InvalidInput  see loadCorrectorParams() and CorrectedArm
   CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~CorrectorNode();
@@ -59,7 +59,7 @@ class CorrectorNode {
   std::vector<std::string> arm_names_;
 
   // Declared before what is in it.
-  ros::CallbackQueue live_queue_, model_queue_, master_queue_, check_queue_;
+  ros::CallbackQueue live_queue_, model_queue_, master_queue_, check_queue_, switch_queue_;
   std::vector<std::unique_ptr<CorrectedArm>> arms_;
 
   // Of the live thread alone.
@@ -88,7 +88,8 @@ class CorrectorNode {
   // Declared last: their callbacks use everything above.
   ros::Subscriber desired_subscriber_, robot_state_subscriber_;
   ros::WallTimer master_timer_, topics_timer_;
-  std::unique_ptr<ros::AsyncSpinner> live_spinner_, model_spinner_, master_spinner_, check_spinner_;
+  std::unique_ptr<ros::AsyncSpinner> live_spinner_, model_spinner_, master_spinner_, check_spinner_,
+      switch_spinner_;
 };
 
 }  // namespace raven_correction

@@ -62,6 +62,7 @@ class LongWork {
   mutable std::mutex mutex_;
   std::condition_variable ended_;
   bool busy_ = false;       // a piece runs
+  std::uint64_t run_ = 0;   // pieces that were begun
   bool cancelled_ = false;  // the last piece
   std::string phase_;       // published last
   ros::SteadyTime started_, published_;

@@ -55,7 +55,7 @@ class TrainerNode {
   std::string goLiveInsteadOf(const std::string& before, const Correction& model, bool force);
   void identify(Correction& model) const;
   void publishReport(const ValidatedTraining& result, const Retrain::Response& response);
-  CheckedInputs readChecked(const std::vector<std::string>& names, bool force,
+  CheckedInputs readChecked(const std::vector<std::string>& names, bool ignore_checks,
                             Retrain::Response& response);
 
   ros::NodeHandle nh_, private_nh_;
