@@ -256,7 +256,7 @@ class Hosts(unittest.TestCase):
         self.assertTrue(self.observer.says(
             "recorder", lambda status: has_delay(status) and warns(status) and
             abs(delays[-1] - right - CLOCK_ERROR) < 0.02), delays)
-        self.assertIn("in the model " + self.model.id, self.observer.recorder[-1].message)
+        self.assertIn(f"in what model {self.model.id} was trained on", self.observer.recorder[-1].message)
         clock.publish(0.0)
         self.assertTrue(self.observer.says("recorder", lambda status: has_delay(status) and not warns(status)),
                         delays)
