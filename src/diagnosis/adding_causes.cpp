@@ -55,6 +55,16 @@ std::vector<Finalist> Selector::fitFinalists(std::vector<Candidate> candidates) 
     finalists[i].fit = fitEffects(problem);
     finalists[i].held_out = heldOutResiduals(problem, finalists[i].fit, options_.folds);
   });
+  const auto ends_at_bound = [&](const Finalist& finalist) {
+    const Hypothesis& hypothesis = finalist.candidate.hypothesis;
+    for (std::size_t k = 0; k < hypothesis.amplitudes(); ++k)
+      if (isAtBound(hypothesis.parameters[k],
+                    finalist.fit.values(fit_.values.size() + static_cast<Eigen::Index>(k))))
+        return true;
+    return false;
+  };
+  finalists.erase(std::remove_if(finalists.begin(), finalists.end(), ends_at_bound),
+                  finalists.end());
   return finalists;
 }
 
@@ -110,9 +120,22 @@ std::vector<Hypothesis> Selector::openHypotheses(bool all) const {
     const bool in = std::any_of(members_.begin(), members_.end(), [&](const Member& member) {
       return overlaps(member.hypothesis, hypothesis);
     });
-    if (!in) open.push_back(hypothesis);
+    const bool released =
+        std::any_of(released_.begin(), released_.end(),
+                    [&](const Hypothesis& other) { return overlaps(other, hypothesis); });
+    if (!in && !released) open.push_back(hypothesis);
   }
   return open;
+}
+
+std::vector<Hypothesis> Selector::openGroups() const {
+  std::vector<Hypothesis> groups = togetherHypotheses(openHypotheses(true), recording_.robot);
+  const auto room = static_cast<std::size_t>(options_.max_causes) - members_.size();
+  const auto too_many = [&](const Hypothesis& group) {
+    return partsOf(group, recording_.robot).size() > room;
+  };
+  groups.erase(std::remove_if(groups.begin(), groups.end(), too_many), groups.end());
+  return groups;
 }
 
 std::vector<Finalist> Selector::tryHypotheses(int round, bool all) {
@@ -147,8 +170,7 @@ bool Selector::add(int round) {
     choice = choose(finalists, member);
   }
   if (!choice && !members_.empty()) {  // what is too weak alone may not be together
-    finalists =
-        tryHypotheses(round, false, togetherHypotheses(openHypotheses(true), recording_.robot));
+    finalists = tryHypotheses(round, false, openGroups());
     choice = choose(finalists, member);
     member.together = true;
   }
@@ -163,6 +185,7 @@ bool Selector::add(int round) {
   member.count = free;
   addMembers(std::move(member));
   refit();
+  releaseAtBounds();
   return true;
 }
 
@@ -173,7 +196,12 @@ void Selector::addMembers(Member member) {
   }
   Eigen::Index first = member.first;
   const Hypothesis whole = member.hypothesis;
-  for (std::vector<ParameterHandle>& part : partsOf(whole, recording_.robot)) {
+  std::vector<std::vector<ParameterHandle>> parts = partsOf(whole, recording_.robot);
+  if (parts.size() > 1) {
+    member.equals.clear();
+    member.has_runner_up = false;
+  }
+  for (std::vector<ParameterHandle>& part : parts) {
     member.first = first;
     member.count = static_cast<Eigen::Index>(part.size());
     member.hypothesis = hypothesisOf(std::move(part), recording_.robot);

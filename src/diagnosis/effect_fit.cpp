@@ -27,7 +27,8 @@ class Evaluation : public ceres::EvaluationCallback {
       const SimulationConfig here = withValues(problem_.simulation, problem_.parameters, values_);
       residual_ = residuals(*problem_.recording, *problem_.layout, here);
     }
-    if (evaluate_jacobians) {
+    if (evaluate_jacobians && !isKnown()) {
+      known_at_ = values_;
       jacobian_ = residualJacobian(*problem_.recording, *problem_.layout, problem_.simulation,
                                    problem_.parameters, values_, residual_, problem_.frozen.cols());
       jacobian_.leftCols(problem_.frozen.cols()) = problem_.frozen;
@@ -37,10 +38,14 @@ class Evaluation : public ceres::EvaluationCallback {
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
 
  private:
+  /// A fit ends at a point whose derivatives Ceres has asked for already.
+  bool isKnown() const { return known_at_.size() == values_.size() && known_at_ == values_; }
+
   const EffectFitProblem& problem_;
   const Eigen::VectorXd& values_;  // Ceres writes the point into it
   Eigen::VectorXd residual_;
   Eigen::MatrixXd jacobian_;
+  Eigen::VectorXd known_at_;  // the point of jacobian_
 };
 
 /// One block of the residual vector, whitened.
@@ -73,35 +78,6 @@ class BlockCost : public ceres::CostFunction {
   int size_;
   double scale_;
 };
-
-/// Sandwich over motions, and the model's own covariance; for every parameter the larger variance.
-Eigen::MatrixXd covarianceOf(const EffectFitProblem& problem, const EffectFit& fit) {
-  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
-  // The scales of what is left, not of what was there when the fit began.
-  const Eigen::VectorXd scales = channelScales(*problem.layout, fit.residual, problem.use);
-  const std::vector<NormalEquations> motions =
-      normalEquations(*problem.layout, fit.residual, fit.jacobian, scales);
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(p, p), meat = H;
-  double n = 0.0;
-  for (std::size_t m = 0; m < motions.size(); ++m) {
-    if (!isUsed(problem.use, static_cast<int>(m))) continue;
-    H += motions[m].H;
-    meat += motions[m].g * motions[m].g.transpose();
-    n += 1.0;
-  }
-  // Parameters that the data do not determine get the width of their whole range.
-  for (Eigen::Index i = 0; i < p; ++i) {
-    const EffectParameter parameter =
-        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]);
-    H(i, i) += 1.0 / std::pow(parameter.upper - parameter.lower, 2);
-  }
-  const Eigen::MatrixXd inverse = H.ldlt().solve(Eigen::MatrixXd::Identity(p, p));
-  Eigen::MatrixXd covariance = inverse * meat * inverse * (n / std::max(1.0, n - 1.0));
-  const Eigen::ArrayXd ratio =
-      inverse.diagonal().array() / covariance.diagonal().array().max(1e-300);
-  const Eigen::VectorXd grow = ratio.max(1.0).sqrt();
-  return grow.asDiagonal() * covariance * grow.asDiagonal();
-}
 
 }  // namespace
 
@@ -168,6 +144,34 @@ std::vector<NormalEquations> normalEquations(const ResidualLayout& layout,
   return all;
 }
 
+Eigen::MatrixXd effectCovariance(const EffectFitProblem& problem, const EffectFit& fit) {
+  const auto p = static_cast<Eigen::Index>(problem.parameters.size());
+  // The scales of what is left, not of what was there when the fit began.
+  const Eigen::VectorXd scales = channelScales(*problem.layout, fit.residual, problem.use);
+  const std::vector<NormalEquations> motions =
+      normalEquations(*problem.layout, fit.residual, fit.jacobian, scales);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(p, p), meat = H;
+  double n = 0.0;
+  for (std::size_t m = 0; m < motions.size(); ++m) {
+    if (!isUsed(problem.use, static_cast<int>(m))) continue;
+    H += motions[m].H;
+    meat += motions[m].g * motions[m].g.transpose();
+    n += 1.0;
+  }
+  // Parameters that the data do not determine get the width of their whole range.
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const EffectParameter parameter =
+        parameterOf(problem.simulation, problem.parameters[static_cast<std::size_t>(i)]);
+    H(i, i) += 1.0 / std::pow(parameter.upper - parameter.lower, 2);
+  }
+  const Eigen::MatrixXd inverse = H.ldlt().solve(Eigen::MatrixXd::Identity(p, p));
+  Eigen::MatrixXd covariance = inverse * meat * inverse * (n / std::max(1.0, n - 1.0));
+  const Eigen::ArrayXd ratio =
+      inverse.diagonal().array() / covariance.diagonal().array().max(1e-300);
+  const Eigen::VectorXd grow = ratio.max(1.0).sqrt();
+  return grow.asDiagonal() * covariance * grow.asDiagonal();
+}
+
 EffectFit fitEffects(const EffectFitProblem& problem) {
   const ResidualLayout& layout = *problem.layout;
   const auto p = static_cast<Eigen::Index>(problem.parameters.size());
@@ -217,7 +221,7 @@ EffectFit fitEffects(const EffectFitProblem& problem) {
   evaluation.PrepareForEvaluation(true, true);
   fit.residual = evaluation.residual();
   fit.jacobian = evaluation.jacobian();
-  if (problem.with_covariance) fit.covariance = covarianceOf(problem, fit);
+  if (problem.with_covariance) fit.covariance = effectCovariance(problem, fit);
   return fit;
 }
 

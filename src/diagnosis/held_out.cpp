@@ -11,8 +11,6 @@
 namespace raven_correction {
 namespace {
 
-constexpr int kResamples = 1000;
-
 /// Normal equations of all motions but those of a fold, for each fold.
 std::vector<NormalEquations> equationsWithoutFolds(const EffectFitProblem& problem,
                                                    const EffectFit& fit, int folds) {
@@ -76,6 +74,7 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
   if (simulated) {
     const auto blocks = static_cast<Eigen::Index>(layout.blocks.size());
     simulated->joints.resize(problem.recording->robot.size(), blocks);
+    simulated->since_start.resize(blocks);
     simulated->orientation.resize(4, blocks);
   }
   parallelFor(folds, [&](int fold) {
@@ -93,6 +92,7 @@ Eigen::VectorXd heldOutResiduals(const EffectFitProblem& problem, const EffectFi
       if (simulated) {
         const auto column = static_cast<Eigen::Index>(b);
         simulated->joints.col(column) = samples.joints.col(column);
+        simulated->since_start(column) = samples.since_start(column);
         simulated->orientation.col(column) = samples.orientation.col(column);
       }
       const int size = layout.sizeOf(block);
@@ -117,6 +117,8 @@ Eigen::VectorXd LinearHeldOut::step(const NormalEquations& equations,
   const Eigen::VectorXd g = equations.g + equations.H * step;
   const Eigen::MatrixXd H = damped(problem_, equations.H);
   step(free) -= Eigen::MatrixXd(H(free, free)).ldlt().solve(Eigen::VectorXd(g(free)));
+  const Eigen::VectorXd values = clipped(problem_, fit_, fit_.values + step);
+  for (const Eigen::Index i : free) step(i) = values(i) - fit_.values(i);
   return step;
 }
 
@@ -129,7 +131,7 @@ Eigen::VectorXd LinearHeldOut::others(const Dropped& dropped) const {
   const double times = static_cast<double>(without_.size()) - 1.0;  // every motion is in it
   all.H /= times;
   all.g /= times;
-  const Eigen::VectorXd values = clipped(problem_, fit_, fit_.values + step(all, dropped));
+  const Eigen::VectorXd values = fit_.values + step(all, dropped);
   const Eigen::Index after = values.size() - dropped.first - dropped.count;
   Eigen::VectorXd others(dropped.first + after);
   others << values.head(dropped.first), values.tail(after);
@@ -156,7 +158,7 @@ Eigen::VectorXd LinearHeldOut::residual(const Dropped& dropped) const {
 }
 
 LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
-                             std::uint64_t seed) {
+                             std::uint64_t seed, int resamples) {
   std::vector<double> base, difference;
   for (Eigen::Index m = 0; m < before.size(); ++m) {
     if (!std::isfinite(before(m)) || !std::isfinite(after(m))) continue;
@@ -176,8 +178,9 @@ LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorX
   for (const double d : difference) away.push_back(std::abs(d - middle));
   result.z_typical = gain / (1.4826 * median(away) / root + tiny);
 
+  if (resamples == 0) return result;
   std::vector<double> shares;
-  bootstrapOverGroups(n, kResamples, seed, [&](const std::vector<std::size_t>& drawn) {
+  bootstrapOverGroups(n, resamples, seed, [&](const std::vector<std::size_t>& drawn) {
     double total = 0.0, gained = 0.0;
     for (const std::size_t at : drawn) {
       total += base[at];

@@ -12,11 +12,11 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kLastTolerance = 1e-6;
-constexpr int kDropIterations = 3;
-constexpr double kSameScales = 0.02;  // change of a channel's scale that needs no second fit [-]
-constexpr double kSafe = 4.0;         // times the least share: it will not have to go [-]
-constexpr double kDoubtful = 2.0;  // deviations from nothing of a parameter that leaves its group
+constexpr int kDropIterations = 4;  // of a pass
+constexpr double kDropTolerance = 1e-5;
+constexpr int kMostPasses = 6;
+constexpr double kDropped = 5e-4;  // of the loss: a pass that gains no more is the last one [-]
+constexpr double kSafe = 4.0;      // times the least share: it will not have to go [-]
 
 }  // namespace
 
@@ -36,9 +36,10 @@ EffectFitProblem Selector::without(const Member& member) const {
   return problem;
 }
 
-Eigen::VectorXd Selector::drop(const Member& member, const LinearHeldOut& linear) const {
+Dropped Selector::drop(const Member& member, const LinearHeldOut& linear) const {
   EffectFitProblem problem = without(member);
-  if (problem.parameters.empty()) return residuals(recording_, layout_, problem.simulation);
+  if (problem.parameters.empty())
+    return {Eigen::VectorXd(), residuals(recording_, layout_, problem.simulation)};
   const auto at = [&](const Eigen::VectorXd& start) {
     return residuals(recording_, layout_,
                      withValues(problem.simulation, problem.parameters, start));
@@ -51,19 +52,22 @@ Eigen::VectorXd Selector::drop(const Member& member, const LinearHeldOut& linear
     residual = led_residual;
   }
   problem.max_iterations = kDropIterations;
-  problem.tolerance = kLastTolerance;
-  problem.frozen.resize(0, 0);
+  problem.tolerance = kDropTolerance;
   problem.with_covariance = false;
   EffectFit fit;
-  for (int pass = 0; pass < 2; ++pass) {  // the scale shrinks as the others make up for it
-    const Eigen::VectorXd scales = channelScales(layout_, residual);
-    if (pass > 0 && scales.isApprox(problem.scales, kSameScales)) break;
-    problem.scales = scales;
+  double gained = 1.0;
+  for (int pass = 0; pass < kMostPasses && gained > kDropped; ++pass) {
+    // The scale shrinks as the others make up for it. Derivatives serve for all steps of a pass: a
+    // pass that gains next to nothing has not left them.
+    problem.scales = channelScales(layout_, residual);
+    problem.frozen = residualJacobian(recording_, layout_, problem.simulation, problem.parameters,
+                                      problem.start, residual);
     fit = fitEffects(problem);
+    gained = rule_.compare(residual, fit.residual).share;
     problem.start = fit.values;
     residual = fit.residual;
   }
-  return heldOutResiduals(problem, fit, options_.folds);
+  return {fit.values, heldOutResiduals(problem, fit, options_.folds)};
 }
 
 LinearHeldOut::Dropped Selector::droppedOf(const Member& member) {
@@ -85,8 +89,10 @@ void Selector::dropEach(const std::vector<std::size_t>& members, Effort effort) 
   parallelFor(static_cast<int>(members.size()), [&](int index) {
     const std::size_t i = members[static_cast<std::size_t>(index)];
     const Member& member = members_[i];
-    dropped_[i] = effort == Effort::kLinear && isLinear(member) ? linear.residual(droppedOf(member))
-                                                                : drop(member, linear);
+    if (effort == Effort::kLinear && isLinear(member))
+      dropped_[i] = {Eigen::VectorXd(), linear.residual(droppedOf(member))};
+    else
+      dropped_[i] = drop(member, linear);
   });
 }
 
@@ -94,8 +100,9 @@ std::size_t Selector::weakestOf(const std::vector<std::size_t>& members) const {
   std::size_t weakest = members_.size();
   double least = 0.0;
   for (const std::size_t i : members) {
-    const LossComparison comparison = rule_.compare(dropped_[i], kept_);
-    if (rule_.earns(dropped_[i], kept_) || (weakest < members_.size() && comparison.share >= least))
+    const LossComparison comparison = rule_.compare(dropped_[i].held_out, kept_);
+    if (members_[i].stays || rule_.earns(dropped_[i].held_out, kept_) ||
+        (weakest < members_.size() && comparison.share >= least))
       continue;
     weakest = i;
     least = comparison.share;
@@ -112,6 +119,7 @@ std::vector<std::size_t> Selector::membersToDrop(bool all) const {
 
 void Selector::removeWeak(Effort effort) {
   // By derivatives all are dropped at once; else first those that did not explain much then.
+  for (Member& member : members_) member.stays = false;
   for (bool all = effort == Effort::kLinear; !members_.empty();) {
     const std::vector<std::size_t> tried = membersToDrop(all);
     say(format("removing what no longer earns its place: %zu of %zu causes dropped in turn",
@@ -119,10 +127,14 @@ void Selector::removeWeak(Effort effort) {
         effort == Effort::kLinear ? 0.88 : 0.93);
     dropEach(tried, effort);
     rule_.setClaims(members_.size());
-    for (const std::size_t i : tried) members_[i].share = rule_.compare(dropped_[i], kept_).share;
+    for (const std::size_t i : tried)
+      members_[i].share = rule_.compare(dropped_[i].held_out, kept_).share;
     const std::size_t weakest = weakestOf(tried);
     if (weakest < members_.size()) {
+      if (effort == Effort::kLinear && !isConfirmed(weakest)) continue;
       remove(weakest);
+      releaseAtBounds();
+      trimGroups();
       all = false;
     } else if (all) {
       return;
@@ -132,11 +144,22 @@ void Selector::removeWeak(Effort effort) {
   }
 }
 
+bool Selector::isConfirmed(std::size_t weakest) {
+  Member& member = members_[weakest];
+  dropped_[weakest] = drop(member, LinearHeldOut(problem_, fit_, options_.folds));
+  member.share = rule_.compare(dropped_[weakest].held_out, held_out_).share;
+  member.stays = rule_.earns(dropped_[weakest].held_out, held_out_);
+  return !member.stays;
+}
+
 void Selector::remove(std::size_t weakest) {
   const Member gone = members_[weakest];
   problem_ = without(gone);
+  // Where they have been fitted without it, the others are there already.
+  if (weakest < dropped_.size() && dropped_[weakest].others.size() == problem_.start.size())
+    problem_.start = dropped_[weakest].others;
   members_.erase(members_.begin() + static_cast<std::ptrdiff_t>(weakest));
-  dropped_.erase(dropped_.begin() + static_cast<std::ptrdiff_t>(weakest));
+  dropped_.clear();
   for (Member& member : members_)
     if (member.first > gone.first) member.first -= gone.count;
   if (members_.empty()) {
@@ -148,37 +171,6 @@ void Selector::remove(std::size_t weakest) {
   } else {
     refit();
   }
-}
-
-void Selector::trimGroups() {
-  std::vector<ParameterHandle> parameters, gone;
-  std::vector<double> start;
-  for (Member& member : members_) {
-    std::vector<ParameterHandle> kept, doubtful;
-    std::vector<double> values;
-    for (Eigen::Index i = member.first; i < member.first + member.count; ++i) {
-      const bool doubt = std::abs(fit_.values(i)) < kDoubtful * std::sqrt(fit_.covariance(i, i));
-      const bool leaves = member.together && doubt;
-      (leaves ? doubtful : kept).push_back(problem_.parameters[static_cast<std::size_t>(i)]);
-      if (!leaves) values.push_back(fit_.values(i));
-    }
-    if (kept.empty()) {  // whether it goes as a whole is for removeWeak() to say
-      kept.swap(doubtful);
-      const auto all = fit_.values.segment(member.first, member.count);
-      values.assign(all.begin(), all.end());
-    }
-    if (member.together) member.hypothesis = hypothesisOf(kept, recording_.robot);
-    member.first = static_cast<Eigen::Index>(parameters.size());
-    member.count = static_cast<Eigen::Index>(kept.size());
-    parameters.insert(parameters.end(), kept.begin(), kept.end());
-    start.insert(start.end(), values.begin(), values.end());
-    gone.insert(gone.end(), doubtful.begin(), doubtful.end());
-  }
-  problem_.simulation = withValues(problem_.simulation, gone,
-                                   Eigen::VectorXd::Zero(static_cast<Eigen::Index>(gone.size())));
-  problem_.parameters = std::move(parameters);
-  problem_.start =
-      Eigen::Map<Eigen::VectorXd>(start.data(), static_cast<Eigen::Index>(start.size()));
 }
 
 }  // namespace raven_correction

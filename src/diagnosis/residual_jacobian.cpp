@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linear_residual.h"
 #include "parallel.h"
 #include "raven_correction/diagnosis/effect_fit.h"
-#include "timeline.h"
 
 namespace raven_correction {
 namespace {
@@ -26,60 +26,6 @@ double differenceStep(const EffectParameter& parameter, double value) {
     step = std::clamp(kStepOfValue * std::abs(value), kSmallestStep * step, step);
   return value + step > parameter.upper ? -step : step;
 }
-
-constexpr double kJointStep = 1e-6;  // [rad or m]
-
-/// The residual as a function of what the joints do, linear about one simulation.
-class LinearResidual {
- public:
-  LinearResidual(const Recording& recording, const ResidualLayout& layout,
-                 const SimulationConfig& here, const SimulatedSamples& samples,
-                 const Eigen::VectorXd& residual)
-      : recording_(recording),
-        layout_(layout),
-        history_(jointHistory(*layout.timelines->of(recording, here), here)),
-        slopes_(static_cast<std::size_t>(recording.robot.size())) {
-    if (!recording.has_kinematics) return;
-    parallelFor(recording.robot.size(), [&](int joint) {
-      SimulatedSamples moved = samples;
-      moved.joints.row(joint).array() += kJointStep;
-      slopes_[static_cast<std::size_t>(joint)] =
-          (residualsOfJoints(recording, here, moved, residual) - residual) / kJointStep;
-    });
-  }
-
-  /// What changes when the joints do what they do in `there`.
-  Eigen::VectorXd changeTo(const SimulationConfig& there) const {
-    const JointHistory moved = jointHistory(*layout_.timelines->of(recording_, there), there);
-    const Eigen::MatrixXd joint = moved.joint - history_.joint;
-    Eigen::VectorXd change(layout_.size);
-    Eigen::Index at = 0, sample = 0;
-    for (const Recording::Motion& motion : recording_.motions)
-      for (const Recording::Observation& observation : motion.observations) {
-        if (observation.kind == Recording::Observation::Kind::kPose) {
-          change.segment<6>(at).setZero();
-          for (std::size_t j = 0; j < slopes_.size(); ++j)
-            change.segment<6>(at) +=
-                joint(static_cast<Eigen::Index>(j), sample) * slopes_[j].segment<6>(at);
-          at += 6;
-        } else {
-          if (observation.kind == Recording::Observation::Kind::kEncoders)
-            change.segment(at, joint.rows()) = history_.motor.col(sample) - moved.motor.col(sample);
-          else
-            change.segment(at, joint.rows()) = -joint.col(sample);
-          at += joint.rows();
-        }
-        ++sample;
-      }
-    return change;
-  }
-
- private:
-  const Recording& recording_;
-  const ResidualLayout& layout_;
-  const JointHistory history_;
-  std::vector<Eigen::VectorXd> slopes_;  // of the poses by each joint; layout_.size each
-};
 
 }  // namespace
 
@@ -106,9 +52,9 @@ Eigen::MatrixXd residualJacobian(const Recording& recording, const ResidualLayou
     const EffectParameter parameter =
         parameterOf(simulation, parameters[static_cast<std::size_t>(i)]);
     const double step = differenceStep(parameter, values(i));
-    Eigen::VectorXd moved = values;
-    moved(i) += step;
-    const SimulationConfig there = withValues(simulation, parameters, moved);
+    // All other effects stay the very same.
+    const SimulationConfig there = withValues(here, {parameters[static_cast<std::size_t>(i)]},
+                                              Eigen::VectorXd::Constant(1, values(i) + step));
     const bool moves_tool = geometric[static_cast<std::size_t>(i)];
     if (moves_tool && samples.joints.size() > 0)
       jacobian.col(i) = (residualsOfJoints(recording, there, samples, residual) - residual) / step;

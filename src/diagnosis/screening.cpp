@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numeric>
 
+#include "linear_residual.h"
 #include "parallel.h"
 
 namespace raven_correction {
@@ -80,6 +83,11 @@ Eigen::VectorXd clipped(const EffectFitProblem& problem,
     values(i) = std::clamp(values(i), parameter.lower, parameter.upper);
   }
   return values;
+}
+
+/// Whether its amplitude is a limit, which may change the joints by far too much for a derivative.
+bool limits(const SimulationConfig& here, const Hypothesis& hypothesis) {
+  return isLimit(hypothesis.effect, parameterOf(here, hypothesis.parameters.front()).symbol);
 }
 
 /// Derivative of the residual by all parameters of one effect, from its nominal values.
@@ -159,43 +167,55 @@ Screening screen(const EffectFitProblem& problem, const EffectFit& fit,
   }
   SimulatedSamples simulated;
   residuals(*problem.recording, *problem.layout, here, &simulated);
+  std::unique_ptr<LinearResidual> by_joints;
+  if (!needsLoad(here))
+    by_joints = std::make_unique<LinearResidual>(*problem.recording, *problem.layout, here,
+                                                 simulated, fit.residual);
   parallelFor(static_cast<int>(trials.size()), [&](int index) {
     const auto t = static_cast<std::size_t>(index);
     Trial& trial = trials[t];
     const Hypothesis& hypothesis = hypotheses[trial.hypothesis];
     const SimulationConfig with = withValues(here, hypothesis.parameters,
                                              clipped(problem, hypothesis.parameters, trial.values));
-    trial.change = (leavesJointsAlone(here, hypothesis.effect)
-                        ? residualsOfJoints(*problem.recording, with, simulated, fit.residual)
-                        : residuals(*problem.recording, *problem.layout, with)) -
-                   fit.residual;
+    if (leavesJointsAlone(here, hypothesis.effect))
+      trial.change =
+          residualsOfJoints(*problem.recording, with, simulated, fit.residual) - fit.residual;
+    else if (by_joints && !needsLoad(with) && !limits(here, hypothesis))
+      trial.change = by_joints->changeTo(with);
+    else
+      trial.change = residuals(*problem.recording, *problem.layout, with) - fit.residual;
   });
 
   const LinearModel model(problem, fit);
   std::vector<Candidate> best(hypotheses.size());
-  for (std::size_t t = 0; t < trials.size();) {
-    const std::size_t h = trials[t].hypothesis;
+  std::vector<std::size_t> begin(hypotheses.size() + 1, 0);  // of the trials of each hypothesis
+  for (const Trial& trial : trials) ++begin[trial.hypothesis + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  parallelFor(static_cast<int>(hypotheses.size()), [&](int index) {
+    const auto h = static_cast<std::size_t>(index);
     const Hypothesis& hypothesis = hypotheses[h];
-    const auto amplitudes = static_cast<Eigen::Index>(hypothesis.amplitudes());
-    Eigen::MatrixXd columns(problem.layout->size, amplitudes);
-    for (Eigen::Index a = 0; a < amplitudes; ++a)
-      columns.col(a) = trials[t + static_cast<std::size_t>(a)].change;
-    Eigen::VectorXd start = starts[h][trials[t].start];
-    t += static_cast<std::size_t>(amplitudes);
-    Eigen::VectorXd scale, others;
-    const double share = model.explain(columns, scale, others);
-    bool impossible = false;  // it would have to work the other way round
-    for (Eigen::Index a = 0; a < amplitudes; ++a) {
-      const EffectParameter parameter =
-          parameterOf(here, hypothesis.parameters[static_cast<std::size_t>(a)]);
-      impossible |= amplitudes == 1 && parameter.lower >= 0.0 && scale(a) <= 0.0;
-      // A limit acts the other way round: the smaller it is, the more it does.
-      if (!isLimit(hypothesis.effect, parameter.symbol)) start(a) *= scale(a);
+    for (std::size_t t = begin[h]; t < begin[h + 1];) {
+      const auto amplitudes = static_cast<Eigen::Index>(hypothesis.amplitudes());
+      Eigen::MatrixXd columns(problem.layout->size, amplitudes);
+      for (Eigen::Index a = 0; a < amplitudes; ++a)
+        columns.col(a) = trials[t + static_cast<std::size_t>(a)].change;
+      Eigen::VectorXd start = starts[h][trials[t].start];
+      t += static_cast<std::size_t>(amplitudes);
+      Eigen::VectorXd scale, others;
+      const double share = model.explain(columns, scale, others);
+      bool impossible = false;  // it would have to work the other way round
+      for (Eigen::Index a = 0; a < amplitudes; ++a) {
+        const EffectParameter parameter =
+            parameterOf(here, hypothesis.parameters[static_cast<std::size_t>(a)]);
+        impossible |= amplitudes == 1 && parameter.lower >= 0.0 && scale(a) <= 0.0;
+        // A limit acts the other way round: the smaller it is, the more it does.
+        if (!isLimit(hypothesis.effect, parameter.symbol)) start(a) *= scale(a);
+      }
+      if (impossible || share <= best[h].share) continue;
+      best[h] = {hypothesis, clipped(problem, hypothesis.parameters, start),
+                 clipped(problem, problem.parameters, fit.values + others), share};
     }
-    if (impossible || share <= best[h].share) continue;
-    best[h] = {hypothesis, clipped(problem, hypothesis.parameters, start),
-               clipped(problem, problem.parameters, fit.values + others), share};
-  }
+  });
   for (Candidate& candidate : best)
     if (candidate.share > 0.0) screening.candidates.push_back(std::move(candidate));
   std::stable_sort(screening.candidates.begin(), screening.candidates.end(),

@@ -66,10 +66,11 @@ SelectionResult Selector::run() {
   while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
   removeWeak(Effort::kLinear);
   if (!members_.empty()) {  // nothing is added any more: to the end
-    trimGroups();
     problem_.max_iterations = kLastIterations;
     problem_.tolerance = kLastTolerance;
     refit();
+    releaseAtBounds();
+    trimGroups();
     removeWeak(Effort::kLast);
     result_.converged = fit_.converged;
   }
@@ -105,7 +106,7 @@ Cause Selector::describe(const Member& member, const Eigen::VectorXd& dropped) c
     cause.values(i) =
         parameterOf(problem_.simulation, member.hypothesis.parameters[static_cast<std::size_t>(i)])
             .value;
-  const LossComparison comparison = rule_.compare(dropped, held_out_);
+  const LossComparison comparison = rule_.compareWithInterval(dropped, held_out_);
   cause.share = comparison.share;
   cause.lower = comparison.lower;
   cause.upper = comparison.upper;
@@ -125,7 +126,7 @@ Cause Selector::describe(const Member& member, const Eigen::VectorXd& dropped) c
 void Selector::finish() {
   result_.simulation = withValues(problem_.simulation, problem_.parameters, fit_.values);
   for (std::size_t i = 0; i < members_.size(); ++i)
-    result_.causes.push_back(describe(members_[i], dropped_[i]));
+    result_.causes.push_back(describe(members_[i], dropped_[i].held_out));
   for (const Cause& cause : result_.causes) {
     std::unique_ptr<Effect> effect = result_.simulation.find(cause.hypothesis.effect)->clone();
     for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i)

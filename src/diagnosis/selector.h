@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The state of a selection (selection.h): the causes so far, their fit, and what may still be
-// added to or removed from them. Adding is adding_causes.cpp, removing removing_causes.cpp.
+// added to or removed from them. Adding is adding_causes.cpp, removing removing_causes.cpp, single
+// parameters trimming_causes.cpp.
 #pragma once
 
 #include <string>
@@ -22,6 +23,13 @@ struct Member {
   Hypothesis runner_up;
   double runner_up_share = 0.0;
   double share = 0.0;  // when it was last dropped
+  bool stays = false;  // its derivatives say that it may go, a fit without it says that it may not
+};
+
+/// The fit without one cause.
+struct Dropped {
+  Eigen::VectorXd others;  // values of the parameters that are left; empty: no fit was made
+  Eigen::VectorXd held_out;
 };
 
 /// How far the others are fitted again when a cause is dropped. kLinear: by their derivatives
@@ -53,6 +61,7 @@ class Selector {
   // adding_causes.cpp
   /// The fit so far and one more hypothesis.
   EffectFitProblem with(const Candidate& candidate) const;
+  /// Those whose amplitudes end within their ranges: what needs more than may be is something else.
   std::vector<Finalist> fitFinalists(std::vector<Candidate> candidates) const;
   /// The best that earns its place; of those that explain the held-out motions as well as that one
   /// the one with the fewest parameters. Null if none does.
@@ -64,15 +73,18 @@ class Selector {
   std::vector<Finalist> tryHypotheses(int round, bool all);
   std::vector<Finalist> tryHypotheses(int round, bool all, const std::vector<Hypothesis>& open);
   bool add(int round);
-  /// Couplings into several joints are a cause for each of these, to be judged on its own.
+  /// togetherHypotheses() of what is open, as far as max_causes leaves room for their parts.
+  std::vector<Hypothesis> openGroups() const;
+  /// Couplings into several joints are a cause for each of these, to be judged on its own; what
+  /// explains as much as all of them does not explain as much as one.
   void addMembers(Member member);
 
   // removing_causes.cpp
   /// The fit without one cause, all others free to make up for it.
   EffectFitProblem without(const Member& member) const;
-  /// Held-out residual when one cause is dropped and the others are refitted, from where their
+  /// One cause dropped and the others fitted again until the loss falls no more, from where their
   /// derivatives lead or from where they are.
-  Eigen::VectorXd drop(const Member& member, const LinearHeldOut& linear) const;
+  Dropped drop(const Member& member, const LinearHeldOut& linear) const;
   static LinearHeldOut::Dropped droppedOf(const Member& member);
   /// A limit of nothing is none, which no derivative knows.
   bool isLinear(const Member& member) const;
@@ -82,12 +94,26 @@ class Selector {
   std::size_t weakestOf(const std::vector<std::size_t>& members) const;
   /// All causes, or those only that explained little when they were last dropped.
   std::vector<std::size_t> membersToDrop(bool all) const;
+  /// Whether a cause does not earn its place with the others fitted again, either. Else it stays.
+  bool isConfirmed(std::size_t weakest);
   /// Removes causes that do not earn their place, the weakest first; in the end each of those that
   /// stay has been dropped beside all the others.
   void removeWeak(Effort effort);
   void remove(std::size_t weakest);
-  /// Takes those parameters out of groups whose values may as well be nothing. Fits nothing.
+
+  // trimming_causes.cpp
+  /// Takes those parameters out of groups whose values may as well be nothing, the most doubtful
+  /// first, until all that are left are beyond doubt in one fit. Each group keeps at least one:
+  /// whether it goes as a whole is for removeWeak() to say.
   void trimGroups();
+  bool takeOutMostDoubtful();
+  /// Takes causes out, or single parameters of a group, whose amplitude has run into the end of its
+  /// range: the best value is none that can be, so the cause is another one. They are not tried
+  /// again.
+  void releaseAtBounds();
+  bool isAtBound(const ParameterHandle& handle, double value) const;
+  /// Takes one parameter out of a cause of several; the others follow by their derivatives alone.
+  void takeOut(Member& member, Eigen::Index parameter);
 
   Cause describe(const Member& member, const Eigen::VectorXd& dropped) const;
   void finish();
@@ -104,8 +130,9 @@ class Selector {
   EffectFit fit_;
   Eigen::VectorXd held_out_;  // residual
   std::vector<Member> members_;
-  std::vector<Eigen::VectorXd> dropped_;  // see dropEach()
-  Eigen::VectorXd kept_;                  // held-out residual to compare them with
+  std::vector<Hypothesis> released_;  // see releaseAtBounds()
+  std::vector<Dropped> dropped_;      // see dropEach()
+  Eigen::VectorXd kept_;              // held-out residual to compare them with
   SelectionResult result_;
 };
 

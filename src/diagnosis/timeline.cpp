@@ -2,7 +2,10 @@
 #include "timeline.h"
 
 #include <algorithm>
+#include <new>
+#include <utility>
 
+#include "raven_correction/error.h"
 #include "raven_correction/simulation/simulated_arm.h"
 
 namespace raven_correction {
@@ -67,21 +70,28 @@ SimulationConfig coarse(SimulationConfig config) {
 /// No effect of the robot: writes down every step that is taken, and its set-point.
 class StepLog : public Effect {
  public:
-  StepLog(std::vector<Timeline::Step>& steps, std::vector<JointVector>& setpoints)
-      : steps_(steps), setpoints_(setpoints) {}
+  struct Log {
+    std::vector<Timeline::Step> steps;
+    std::vector<JointVector> setpoints;
+    bool complete = true;  // false: there was no memory for a step
+  };
+  explicit StepLog(Log& log) : log_(log) {}
   const char* name() const noexcept override { return "step_log"; }
   EffectStage stage() const noexcept override { return EffectStage::kDrive; }
   const char* equation() const noexcept override { return "q = q"; }
   std::unique_ptr<Effect> clone() const override { return std::make_unique<StepLog>(*this); }
   void apply(const StepContext& context, JointVector& /*memory*/,
              JointVector& q) const noexcept override {
-    steps_.push_back({context.time, context.step, false});
-    setpoints_.push_back(q);
+    try {  // nothing may leave an effect
+      log_.steps.push_back({context.time, context.step, false});
+      log_.setpoints.push_back(q);
+    } catch (const std::exception&) {
+      log_.complete = false;
+    }
   }
 
  private:
-  std::vector<Timeline::Step>& steps_;
-  std::vector<JointVector>& setpoints_;
+  Log& log_;
 };
 
 std::size_t countObservations(const Recording& recording) {
@@ -90,87 +100,46 @@ std::size_t countObservations(const Recording& recording) {
   return count;
 }
 
-JointHistory emptyHistory(Eigen::Index joints, std::size_t observations) {
-  const auto count = static_cast<Eigen::Index>(observations);
-  return {Eigen::MatrixXd(joints, count), Eigen::MatrixXd(joints, count), Eigen::VectorXd(count)};
-}
-
 }  // namespace
 
 Timeline makeTimeline(const Recording& recording, const SimulationConfig& simulation) {
   Timeline timeline;
-  std::vector<JointVector> setpoints;
+  StepLog::Log log;
+  // About so many: every set-point and every observation ends a step.
+  std::size_t expected = countObservations(recording);
+  for (const Recording::Motion& motion : recording.motions) expected += motion.setpoints.size();
+  log.steps.reserve(expected);
+  log.setpoints.reserve(expected);
   SimulationConfig config = coarse(simulation);
   config.effects.clear();
   for (const auto& effect : simulation.effects)
     if (effect->stage() == EffectStage::kCommand) config.effects.push_back(effect);
-  config.effects.push_back(std::make_shared<StepLog>(timeline.steps, setpoints));
+  config.effects.push_back(std::make_shared<StepLog>(log));
   Replay replay(config);  // rests once for itself, as begin() does anew
-  timeline.steps.clear();
-  setpoints.clear();
+  log.steps.clear();
+  log.setpoints.clear();
   for (const Recording::Motion& motion : recording.motions) {
-    if (replay.begin(motion)) timeline.steps.back().rest = true;
+    if (replay.begin(motion)) log.steps.back().rest = true;
     for (const Recording::Observation& observation : motion.observations) {
       replay.at(observation.stamp);
-      timeline.observed.push_back(timeline.steps.size() - 1);
+      timeline.observed.push_back(log.steps.size() - 1);
     }
     replay.end();
   }
-  timeline.setpoints.resize(recording.robot.size(), static_cast<Eigen::Index>(setpoints.size()));
-  for (std::size_t k = 0; k < setpoints.size(); ++k)
-    timeline.setpoints.col(static_cast<Eigen::Index>(k)) = setpoints[k];
+  if (!log.complete) throw std::bad_alloc();
+  timeline.steps = std::move(log.steps);
+  timeline.setpoints.resize(recording.robot.size(),
+                            static_cast<Eigen::Index>(log.setpoints.size()));
+  for (std::size_t k = 0; k < log.setpoints.size(); ++k)
+    timeline.setpoints.col(static_cast<Eigen::Index>(k)) = log.setpoints[k];
   return timeline;
 }
 
-JointHistory jointHistory(const Timeline& timeline, const SimulationConfig& simulation) {
-  // The first effects up to the last that remembers run at every step, the rest where it is seen.
-  std::vector<const Effect*> chain;
-  std::size_t running = 0, drives = 0;
-  for (const auto& effect : simulation.effects) {
-    const EffectStage stage = effect->stage();
-    if (stage != EffectStage::kDrive && stage != EffectStage::kCable) continue;
-    chain.push_back(effect.get());
-    if (stage == EffectStage::kDrive) drives = chain.size();
-    if (effect->remembers()) running = chain.size();
-  }
-  const Eigen::Index n = timeline.setpoints.rows();
-  const JointVector no_load = JointVector::Zero(n);
-  const JointMatrix travel = simulation.coupling.empty()
-                                 ? JointMatrix()
-                                 : simulation.coupling.motorTravel(simulation.robot);
-  JointHistory history = emptyHistory(n, timeline.observed.size());
-  std::vector<JointVector> memory(chain.size(), no_load);
-  JointVector q(n), motor(n), unused(n);
-  std::size_t seen = 0;
-  for (std::size_t k = 0; k < timeline.steps.size() && seen < timeline.observed.size(); ++k) {
-    if (running == 0) k = timeline.observed[seen];
-    const Timeline::Step& step = timeline.steps[k];
-    const StepContext context{step.end, step.length, simulation.robot.home(), no_load,
-                              travel.size() > 0 ? &travel : nullptr};
-    q = timeline.setpoints.col(static_cast<Eigen::Index>(k));
-    for (std::size_t i = 0; i < running; ++i) {
-      if (i == drives) motor = q;
-      if (step.rest) memory[i] = q;
-      chain[i]->apply(context, memory[i], q);
-    }
-    if (timeline.observed[seen] != k) continue;
-    for (std::size_t i = running; i < chain.size(); ++i) {
-      if (i == drives) motor = q;
-      chain[i]->apply(context, unused, q);
-    }
-    if (drives == chain.size()) motor = q;
-    for (; seen < timeline.observed.size() && timeline.observed[seen] == k; ++seen) {
-      const auto column = static_cast<Eigen::Index>(seen);
-      history.motor.col(column) = motor;
-      history.joint.col(column) = q;
-      history.since_start(column) = step.end;
-    }
-  }
-  return history;
-}
-
 JointHistory steppedJointHistory(const Recording& recording, const SimulationConfig& simulation) {
-  JointHistory history = emptyHistory(recording.robot.size(), countObservations(recording));
+  const auto count = static_cast<Eigen::Index>(countObservations(recording));
+  const Eigen::Index joints = recording.robot.size();
+  JointHistory history{Eigen::MatrixXd(joints, count), Eigen::MatrixXd(joints, count),
+                       Eigen::VectorXd(count)};
   Replay replay(coarse(simulation));
   Eigen::Index column = 0;
   for (const Recording::Motion& motion : recording.motions) {
@@ -186,23 +155,35 @@ JointHistory steppedJointHistory(const Recording& recording, const SimulationCon
   return history;
 }
 
+std::shared_ptr<const Timeline> TimelineCache::find(SetpointMode setpoints, double delay) {
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.setpoints == setpoints && entry.delay == delay;
+  });
+  if (found == entries_.end()) return nullptr;
+  std::rotate(found, found + 1, entries_.end());
+  return entries_.back().timeline;
+}
+
 std::shared_ptr<const Timeline> TimelineCache::of(const Recording& recording,
                                                   const SimulationConfig& simulation) {
   double delay = 0.0;
   for (const auto& effect : simulation.effects) delay += effect->delay();
-  const auto is_this = [&](const Entry& entry) {
-    return entry.setpoints == simulation.setpoints && entry.delay == delay;
+  const auto checked = [&](std::shared_ptr<const Timeline> timeline) {
+    const std::size_t count = countObservations(recording);
+    if (timeline && timeline->observed.size() != count)
+      throw InvalidInput(
+          format("%s: %zu observations, but its residual layout was made of %zu; "
+                 "make another layout for another or changed recording",
+                 recording.name.c_str(), count, timeline->observed.size()));
+    return timeline;
   };
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const auto found = std::find_if(entries_.begin(), entries_.end(), is_this);
-    if (found != entries_.end()) {
-      std::rotate(found, found + 1, entries_.end());
-      return entries_.back().timeline;
-    }
+    if (auto kept = checked(find(simulation.setpoints, delay))) return kept;
   }
   auto timeline = std::make_shared<const Timeline>(makeTimeline(recording, simulation));
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (auto kept = checked(find(simulation.setpoints, delay))) return kept;  // made meanwhile
   if (entries_.size() == kMostEntries) entries_.erase(entries_.begin());
   entries_.push_back({simulation.setpoints, delay, timeline});
   return timeline;

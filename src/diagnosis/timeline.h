@@ -40,16 +40,41 @@ Timeline makeTimeline(const Recording& recording, const SimulationConfig& simula
 /// @param simulation  none of its effects needs a load, and its delay is that of the timeline
 JointHistory jointHistory(const Timeline& timeline, const SimulationConfig& simulation);
 
+/// jointHistory() of one simulation, and from there at little cost those of others that differ from
+/// it in few effects: what comes before the first of these is remembered of every step.
+class TracedHistory {
+ public:
+  /// @param simulation  as for jointHistory()
+  TracedHistory(std::shared_ptr<const Timeline> timeline, const SimulationConfig& simulation);
+
+  const Timeline& timeline() const { return *timeline_; }
+  const JointHistory& history() const { return history_; }
+  /// jointHistory(timeline(), other), bit for bit. What it shares with the simulation are the
+  /// effects that are the very same objects, as withValues() leaves those that it does not change.
+  JointHistory of(const SimulationConfig& other) const;
+
+ private:
+  std::shared_ptr<const Timeline> timeline_;
+  SimulationConfig simulation_;
+  std::vector<Eigen::MatrixXd> entering_;  // effect i of the chain, joints x steps; [0] is not used
+  JointHistory history_;
+};
+
 /// The same for any simulation, step by step: the load of a joint depends on the step before.
 JointHistory steppedJointHistory(const Recording& recording, const SimulationConfig& simulation);
 
-/// Keeps the timelines of one recording that were asked for last. Thread-safe.
+/// Keeps the timelines that were asked for last, of one recording: it belongs to a layout, and a
+/// layout to one recording that does not change as long as it is used. Thread-safe.
 class TimelineCache {
  public:
+  /// @throws InvalidInput  another number of observations than those of the timelines kept here: it
+  ///         is another recording, or one that has been changed
   std::shared_ptr<const Timeline> of(const Recording& recording,
                                      const SimulationConfig& simulation);
 
  private:
+  std::shared_ptr<const Timeline> find(SetpointMode setpoints, double delay);
+
   struct Entry {
     SetpointMode setpoints;
     double delay;

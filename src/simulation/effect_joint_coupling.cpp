@@ -39,8 +39,11 @@ class JointCoupling final : public Effect {
     int index = 0;
     for (int i = 0; i < size_; ++i) {
       double moved = 0.0;
-      for (int j = 0; j < size_; ++j)
-        if (i != j) moved += value(index++) * away(j);
+      for (int j = 0; j < size_; ++j) {
+        if (i == j) continue;
+        const double c = value(index++);
+        if (c != 0.0) moved += c * away(j);  // few of all possible ones are there
+      }
       q(i) += moved;
     }
   }

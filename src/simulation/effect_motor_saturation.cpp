@@ -47,7 +47,8 @@ double behindAfter(double e, double s, double T, const Limits& limits, double ti
       return s < -limits.down ? (s + limits.down) * time : 0.0;
     }
     // Written so that a jump of the goal, a huge s for next to no time, keeps its digits.
-    const double end = e * std::exp(-time / T) - s * T * std::expm1(-time / T);
+    const double decay = std::expm1(-time / T);
+    const double end = e * (1.0 + decay) - s * T * decay;
     if (end <= above && end >= below) return end;
     const double edge = end > above ? above : below;
     time = std::max(0.0, time - T * std::log1p((e - edge) / (edge - s * T)));
@@ -101,7 +102,8 @@ class MotorSaturation final : public Effect {
       int index = 3 * size_ + j * (size_ - 1);
       for (int k = 0; k < size_; ++k) {
         if (k == j) continue;
-        load += value(index++) * (q(k) - context.home(k));
+        if (v > 0.0) load += value(index) * (q(k) - context.home(k));
+        ++index;
         if (context.motor_travel == nullptr) continue;
         before += (*context.motor_travel)(j, k) * memory(k);
         after += (*context.motor_travel)(j, k) * q(k);

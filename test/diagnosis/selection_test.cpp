@@ -9,6 +9,7 @@
 #include <set>
 
 #include "diagnosis/fixtures.h"
+#include "plant/joint_session.h"
 #include "raven_correction/diagnosis/claim.h"
 #include "raven_correction/error.h"
 #include "raven_correction/simulation/session.h"
@@ -158,6 +159,61 @@ TEST(Hypothesis, WhatIsTooWeakAloneIsTriedTogether) {
   EXPECT_EQ(parameterNames(two.front(), robot), (std::vector<std::string>{"g"}));
   two.pop_back();
   EXPECT_TRUE(togetherHypotheses(two, robot).empty());
+}
+
+// What is dropped has to be made up for by values that the others may have.
+TEST(LinearHeldOut, StaysWithinTheRanges) {
+  constexpr double kRange = 1e-3;  // the offset would go further [rad]
+  constexpr int kFolds = 5;
+  const ResidualLayout layout = residualLayout(recording());
+  EffectFitProblem problem;
+  problem.recording = &recording();
+  problem.layout = &layout;
+  problem.simulation = nominal();
+  problem.parameters = {{"joint_gain", 1}, {"joint_offset", 1, 0.02 - kRange, 0.02 + kRange}};
+  problem.start.resize(2);
+  problem.start << 0.05, 0.02;
+  const auto at = withValues(nominal(), problem.parameters, problem.start);
+  problem.scales = channelScales(layout, residuals(recording(), layout, at));
+  const EffectFit fit = fitEffects(problem);
+  const Eigen::VectorXd residual = LinearHeldOut(problem, fit, kFolds).residual({0, 1, 1});
+  const Eigen::VectorXd made_up =
+      residual - fit.residual + fit.jacobian.col(0) * fit.values(0);  // by the offset
+  for (const ResidualBlock& block : layout.blocks) {
+    const auto column = fit.jacobian.col(1).segment(block.offset, layout.sizeOf(block));
+    if (!(column.norm() > 0.0)) continue;
+    const double step =
+        column.dot(made_up.segment(block.offset, column.size())) / column.squaredNorm();
+    ASSERT_LE(std::abs(fit.values(1) + step - 0.02), 1.001 * kRange);
+  }
+}
+
+// A joint that follows a fifth of the way has no gain, lag or play that explains it within the
+// ranges: the value at the end of a range would be no value of anything.
+TEST(Selection, ClaimsNoValueAtTheEndOfItsRange) {
+  plant::JointSessionOptions session;
+  Dataset dataset = plant::recordJointsClean(session).dataset;
+  for (Trajectory& trajectory : dataset.trajectories)
+    for (StampedJoints& sample : trajectory.joint_observations.samples) sample.positions(0) *= 0.2;
+  const Recording stuck =
+      makeJointRecording(dataset, {false, false, true, false, false, false}, {});
+  const ResidualLayout layout = residualLayout(stuck);
+  SimulationConfig base;
+  base.robot = stuck.robot;
+  SelectionOptions options;
+  options.max_causes = 4;
+  const SelectionResult selection = selectCauses(stuck, layout, base, options);
+  for (const Cause& cause : selection.causes)
+    for (std::size_t k = 0; k < cause.hypothesis.amplitudes(); ++k) {
+      const EffectParameter parameter =
+          parameterOf(selection.simulation, cause.hypothesis.parameters[k]);
+      const double value = cause.values(static_cast<Eigen::Index>(k));
+      EXPECT_LT(value, 0.998 * parameter.upper) << hypothesisLabel(cause.hypothesis, stuck.robot);
+      if (parameter.lower < 0.0) {
+        EXPECT_GT(value, 0.998 * parameter.lower);
+      }
+    }
+  EXPECT_LE(static_cast<int>(selection.causes.size()), options.max_causes);
 }
 
 TEST(Selection, SharesAreWhatTheOthersCannotMakeUpFor) {

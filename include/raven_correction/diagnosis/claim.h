@@ -39,20 +39,23 @@ class ClaimRule {
 
   /// The gain must be beyond chance, after `tried` hypotheses. Until then no gain is enough.
   /// @param significance  of claiming anything where there is nothing, and the share of claims that
-  ///                      may be false where there is something, in (0, 0.5) [-]
+  ///                      may be false where there is something, both nominal, in (0, 0.5) [-]
   void setTried(std::size_t tried, double significance);
 
   /// So many claims are made at once: each may then be false with a chance of claims / tried times
   /// the significance. One alone is the correction of Bonferroni, and with many the share of false
-  /// ones stays what it was. Source: Benjamini and Hochberg 1995,
-  /// doi:10.1111/j.2517-6161.1995.tb02031.x
+  /// ones is meant to stay what it was. That share is nominal: the tests share motions and rivals,
+  /// the third way to earn a place (earns()) has no such chance, causes are chosen in turn with the
+  /// ones before in view, and the parts of a group count as one claim each and so relax what the
+  /// others have to pass. How often claims are false is counted, see doc/diagnosis.md.
+  /// Source: Benjamini and Hochberg 1995, doi:10.1111/j.2517-6161.1995.tb02031.x
   void setClaims(std::size_t claims);
 
   /// Noise from frame to frame, one per channel (noiseFloor()). Until then no recording is quiet.
   void setNoise(const Eigen::VectorXd& floor) { floor_ = floor; }
 
   /// How much better `with` explains the held-out motions than `without`, every channel in units of
-  /// its spread in `scales_of`.
+  /// its spread in `scales_of`. Without the interval, which nothing is decided by.
   /// @param without, with, scales_of  residuals, layout.size each
   LossComparison compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with,
                          const Eigen::VectorXd& scales_of) const;
@@ -60,6 +63,9 @@ class ClaimRule {
   LossComparison compare(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
     return compare(without, with, without);
   }
+  /// With the interval of the share, too.
+  LossComparison compareWithInterval(const Eigen::VectorXd& without,
+                                     const Eigen::VectorXd& with) const;
   /// Whether that gain is enough to claim what `with` has and `without` has not. At least
   /// least_share of the loss, and then one of
   ///

@@ -74,11 +74,9 @@ struct EffectFitProblem {
 
 struct EffectFit {
   Eigen::VectorXd values;
-  Eigen::VectorXd residual;  ///< of all motions, at `values`
-  Eigen::MatrixXd jacobian;  ///< of the residual, layout.size x p
-  /// Of the values; samples of one motion share their error, so motions are what is counted. Never
-  /// smaller than with independent samples. Source: Liang, Zeger 1986, doi:10.1093/biomet/73.1.13
-  Eigen::MatrixXd covariance;
+  Eigen::VectorXd residual;    ///< of all motions, at `values`
+  Eigen::MatrixXd jacobian;    ///< of the residual, layout.size x p
+  Eigen::MatrixXd covariance;  ///< of the values, see effectCovariance()
   bool converged = false;
   std::string message = "fitEffects() has not run";
   int iterations = 0;
@@ -87,5 +85,12 @@ struct EffectFit {
 /// Huber's loss of whitened blocks, bounds from the parameters' ranges.
 /// @throws InvalidInput  sizes differ, or no motion to fit to
 EffectFit fitEffects(const EffectFitProblem& problem);
+
+/// Covariance of fitted values; samples of one motion share their error, so motions are what is
+/// counted: the sandwich over motions. No variance is smaller than with independent samples.
+/// @param fit  of the problem: its residual and Jacobian count
+/// @return p x p; parameters that the data do not determine are as wide as their range
+/// Source: Liang, Zeger 1986, doi:10.1093/biomet/73.1.13
+Eigen::MatrixXd effectCovariance(const EffectFitProblem& problem, const EffectFit& fit);
 
 }  // namespace raven_correction

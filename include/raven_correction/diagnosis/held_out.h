@@ -33,8 +33,8 @@ class LinearHeldOut {
   struct Dropped {
     Eigen::Index first = 0, amplitudes = 0, count = 0;
   };
-  /// The held-out residual with all other parameters free to make up for it; with nothing dropped,
-  /// that of the fit. @return layout.size numbers
+  /// The held-out residual with all other parameters free to make up for it within their ranges;
+  /// with nothing dropped, that of the fit. @return layout.size numbers
   Eigen::VectorXd residual(const Dropped& dropped) const;
   Eigen::VectorXd residual() const { return residual(Dropped()); }
   /// Where the other parameters go then, with no fold held out; those of the cause go with it.
@@ -68,8 +68,9 @@ struct LossComparison {
 /// @param before, after  one loss per motion (motionLosses()); a motion with nan in either is left
 ///        out
 /// @param seed           of the bootstrap
+/// @param resamples      of the bootstrap; 0: no interval, its ends stay 0
 /// @return all zero for fewer than two motions, or where mean(before) is not above 0
 LossComparison compareLosses(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
-                             std::uint64_t seed);
+                             std::uint64_t seed, int resamples = 1000);
 
 }  // namespace raven_correction
