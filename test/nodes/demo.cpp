@@ -133,7 +133,13 @@ TEST_F(Demo, RecordsLearnsCorrectsAndComesCloser) {
   std_srvs::SetBool::Request too_early;
   too_early.data = true;
   std_srvs::SetBool::Response refused;
-  ASSERT_TRUE(ros::service::call(nh.resolveName("corrector/enable"), too_early, refused));
+  // The model needs a moment to get there.
+  EXPECT_TRUE(waitFor(
+      [&] {
+        return ros::service::call(nh.resolveName("corrector/enable"), too_early, refused) &&
+               refused.message.find(learnt.model) != std::string::npos;
+      },
+      30.0));
   EXPECT_FALSE(refused.success) << refused.message;
   auto preflight = std::async(std::launch::async, [&] {
     Preflight::Request request;

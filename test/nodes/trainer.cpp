@@ -42,6 +42,7 @@ std::string directory() {
     std::string read;
     ros::param::get("/directory", read);
     fs::create_directories(read + "/data");
+    fs::create_directories(read + "/models");
     return read;
   }();
   return path;
