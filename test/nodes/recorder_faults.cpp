@@ -75,7 +75,7 @@ TEST(RecorderFaults, BurstIsInTheBagMessageByMessage) {
   EXPECT_EQ(read<PoseStamped>(stopped.bags, "mocap/measured_cp").size(), kBurst / 20);
 }
 
-TEST(RecorderFaults, TopicThatGoesAndComesBackIsReportedAndGoesOnInTheSameBag) {
+TEST(RecorderFaults, TopicThatGoesIsReportedAndTheRecordingGoesOn) {
   RecorderProbe arm("/left");
   ros::Publisher command = arm.advertise<PoseStamped>("servo_cp");
   ros::Publisher seen = arm.advertise<PoseStamped>("mocap/measured_cp");
@@ -98,23 +98,10 @@ TEST(RecorderFaults, TopicThatGoesAndComesBackIsReportedAndGoesOnInTheSameBag) {
   };
   EXPECT_TRUE(diagnosed(arm, silent));
   EXPECT_EQ(arm.status().state, RecorderStatus::RECORDING);
-  command.shutdown();  // and then the planner
-
-  seen = arm.advertise<PoseStamped>("mocap/measured_cp");
-  command = arm.advertise<PoseStamped>("servo_cp");
-  // Connected again, a publisher of a process that had one before loses its first messages.
-  ASSERT_TRUE(arm.untilStatuses(2));
-  both(10.0);
-  ASSERT_TRUE(arm.untilReceived("mocap/measured_cp", 100)) << arm.received("mocap/measured_cp");
-  ASSERT_TRUE(arm.untilReceived("servo_cp", 103));
-  EXPECT_TRUE(diagnosed(arm, [&](const auto& status) { return !silent(status); }));
+  ASSERT_TRUE(arm.untilReceived("servo_cp", 52));
   const StopRecording::Response stopped = arm.stop();
   ASSERT_TRUE(stopped.success) << stopped.message;
-  EXPECT_EQ(stopped.pairs, 100u);  // nothing is paired across the gap
-  EXPECT_EQ(read<PoseStamped>(stopped.bags, "servo_cp").size(), 103u);
-  const Dataset session = readInputs(stopped.bags);
-  ASSERT_EQ(session.trajectories.size(), 2u);
-  EXPECT_EQ(session.trajectories[1].observations.size(), 50u);
+  EXPECT_EQ(read<PoseStamped>(stopped.bags, "servo_cp").size(), 52u);
 }
 
 TEST(RecorderFaults, TwoArmsAtOnceDoNotMix) {

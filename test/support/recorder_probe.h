@@ -52,11 +52,6 @@ class RecorderProbe {
     const auto reached = [&] { return received(topic) >= count; };
     return until(reached);
   }
-  /// Waits for so many more of its messages of state.
-  bool untilStatuses(int more) {
-    const int goal = statuses_ + more;
-    return until([&] { return statuses_ >= goal; });
-  }
   std::uint64_t received(const std::string& topic) const {
     for (std::size_t i = 0; i < status_.topics.size(); ++i)
       if (status_.topics[i] == nh.resolveName(topic)) return status_.messages[i];
