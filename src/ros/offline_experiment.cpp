@@ -2,7 +2,8 @@
 // offline experiment NAME: experiments of the paper and of this package. fidelity: how like a
 // measured session the simulation is; physics: what physics as the mean of the regression is worth;
 // repeatability (offline_repeatability.cpp): poses visited again and again through the nodes;
-// fragments (offline_fragments.cpp): how well the stereo camera finds them.
+// fragments (offline_fragments.cpp): how well the stereo camera finds them; trace and
+// learning-curve (offline_figures.cpp): two figures of the paper.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -108,6 +109,7 @@ void addExperimentCommand(CLI::App& app) {
   CLI::App* const experiment = app.add_subcommand("experiment", "Experiments, by name");
   experiment->require_subcommand(1);
   addPhysics(*experiment);
+  addFigureExperiments(*experiment);
   addRepeatabilityExperiment(*experiment);
   addFragmentsExperiment(*experiment);
   const auto arguments = std::make_shared<FidelityArguments>();
