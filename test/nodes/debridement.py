@@ -47,22 +47,25 @@ class Debridement(unittest.TestCase):
         corrected = result["corrected"]
         self.assertGreaterEqual(corrected["fragments"], 3)
         self.assertGreater(corrected["delivered"], 0)
-        self.assertAlmostEqual(corrected["seconds_per_fragment"], corrected["seconds"] / corrected["delivered"], places=6)
-        self.assertAlmostEqual(corrected["success_percent"], 100 * corrected["delivered"] / corrected["fragments"], places=6)
+        delivered, fragments = corrected["delivered"], corrected["fragments"]
+        self.assertAlmostEqual(corrected["seconds_per_fragment"], corrected["seconds"] / delivered, places=6)
+        self.assertAlmostEqual(corrected["success_percent"], 100 * delivered / fragments, places=6)
         self.assertIsNone(corrected["smallest_distance_mm"])
         self.assertEqual(result["paper"]["speedup"], 3.8)
         self.assertIn("seconds per fragment", done.stdout)
         self.assertIn("corrected", page.read_text(encoding="utf-8"))
         with (self.output / "grasps.csv").open(encoding="utf-8") as file:
             grasps = list(csv.DictReader(file))
-        of = {outcome: sum(grasp["outcome"] == outcome for grasp in grasps) for outcome in ("held", "missed", "delivered")}
+        outcomes = [grasp["outcome"] for grasp in grasps]
+        of = {outcome: outcomes.count(outcome) for outcome in ("held", "missed", "delivered")}
         self.assertEqual(of["delivered"], corrected["delivered"])
         self.assertEqual(of["missed"], corrected["missed_grasps"])
         self.assertGreaterEqual(of["held"], of["delivered"])
 
     def test_bad_input_is_said_before_anything_starts(self):
-        for option, part in (({"arms": 3}, "arms = 3"), ({"fragments": 0}, "fragments"), ({"condition": "x"}, "x is no condition"),
-                             ({"clock_rate": 0}, "clock rate"), ({"json": "/nowhere/j.json"}, "/nowhere"),
+        for option, part in (({"arms": 3}, "arms = 3"), ({"fragments": 0}, "fragments"),
+                             ({"condition": "x"}, "x is no condition"), ({"clock_rate": 0}, "clock rate"),
+                             ({"json": "/nowhere/j.json"}, "/nowhere"),
                              ({"output": self.folder}, "not empty")):
             with self.subTest(option=option):
                 done = self.call(**option)
