@@ -5,6 +5,7 @@
 #include <ros/console.h>
 #include <ros/ros.h>
 #include <std_msgs/Float64.h>
+#include <std_srvs/Trigger.h>
 
 #include <algorithm>
 #include <array>
@@ -41,6 +42,7 @@ namespace {
 constexpr char kCamera[] = "/field_camera";
 constexpr char kSimulator[] = "/raven/simulator";
 constexpr double kClockTimeout = 10.0;        // for the first message on /clock [s, real]
+constexpr double kOnItsWay = 0.2;             // of a message, long [s, real]
 constexpr double kPlatform = -0.170;          // height of its surface in the base frame [m]
 constexpr unsigned kMotionsPerTwoPlaces = 7;  // of a rehearsal
 constexpr std::uint64_t kScenes = 1000, kRehearsals = 5000;  // seeds
@@ -379,6 +381,10 @@ class Experiment {
       end = std::max(end, arms_[i]->now());
     });
     field.seconds = end - begin;
+    // The camera answers after it has judged the last jaws; what it says of them is on its way
+    // then.
+    call<std_srvs::Trigger>(std::string(kCamera) + "/simulator/take_picture", {});
+    ros::WallDuration(kOnItsWay).sleep();
     field.held = witness_.count(GraspResult::HELD);
     field.missed = witness_.count(GraspResult::MISSED);
     field.delivered = witness_.count(GraspResult::DELIVERED);
