@@ -13,6 +13,7 @@
 #include "raven_correction/report/fidelity_report.h"
 #include "raven_correction/report/learning_curve_report.h"
 #include "raven_correction/ros/command_record.h"
+#include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 
@@ -112,13 +113,16 @@ void addExperimentCommand(CLI::App& app) {
   addFigureExperiments(*experiment);
   addRepeatabilityExperiment(*experiment);
   addFragmentsExperiment(*experiment);
+  addDebridementExperiment(*experiment);
   const auto arguments = std::make_shared<FidelityArguments>();
-  CLI::App* const command = experiment->add_subcommand(
-      "fidelity",
-      "Drives the simulation with the measured commands and prints, measured against simulated, on "
-      "the trajectories of one fold (a test where the simulation was not fitted to them): errors, "
-      "delay, cleaning, timing, errors "
-      "against joints and speed, and Table I");
+  CLI::App* const command =
+      experiment->add_subcommand("fidelity",
+                                 "Drives the simulation with the measured commands and prints, "
+                                 "measured against simulated, on "
+                                 "the trajectories of one fold (a test where the simulation was "
+                                 "not fitted to them): errors, "
+                                 "delay, cleaning, timing, errors "
+                                 "against joints and speed, and Table I");
   command->add_option("INPUT", arguments->input, "bag or data set directory")->required();
   command->add_option("--simulation", arguments->simulation,
                       "default: config/simulation/raven2_left_case2014.yaml of the package");
