@@ -22,7 +22,9 @@ void computeFeatures(const Motion& motion, const Pose& rigid,
   for (std::size_t k = 0; k < twists; ++k)
     x.col(static_cast<Eigen::Index>(1 + k)) << rigid.q * motion.twists[k].v,
         rigid.q * motion.twists[k].w;
-  if (hasPlay(options))
+  if (hasJointPlay(options))
+    x.col(static_cast<Eigen::Index>(1 + twists)) = motion.joint_play;
+  else if (hasPlay(options))
     x.col(static_cast<Eigen::Index>(1 + twists)) << rigid.q * motion.play.p,
         rigid.q * motion.play.r;
 }

@@ -6,8 +6,23 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/geometry/differentiation.h"
+#include "raven_correction/robot/chain_file.h"
 
 namespace raven_correction {
+namespace {
+
+constexpr int kPlayJoints = 6;
+
+KinematicChain robotOf(const MotionOptions& options) {
+  KinematicChain robot = kinematicChainFromText(options.robot, "robot of the play");
+  if (robot.size() != kPlayJoints)
+    throw InvalidInput(
+        format("robot %s has %d joints; the play of joints is known for robots of %d only",
+               robot.name().c_str(), robot.size(), kPlayJoints));
+  return robot;
+}
+
+}  // namespace
 
 VelocityKind velocityFromName(const std::string& name) {
   for (const VelocityKind kind :
@@ -42,6 +57,13 @@ void checkMotionOptions(const MotionOptions& options) {
         format("play of %g m and %g rad: must be in [0, 1] and [0, 3], and both or "
                "neither zero",
                options.play_length, options.play_angle));
+  if (hasJointPlay(options)) {
+    if (!(options.joint_play_length > 0.0) || options.joint_play_length > 1.0 ||
+        !(options.joint_play_angle > 0.0) || options.joint_play_angle > 3.0)
+      throw InvalidInput(format("play of joints of %g m and %g rad: must be in (0, 1] and (0, 3]",
+                                options.joint_play_length, options.joint_play_angle));
+    robotOf(options);
+  }
   if (options.velocity != VelocityKind::kPast) return;
   if (options.intervals.empty() || options.intervals.size() > kMaxTwists)
     throw InvalidInput(
@@ -69,7 +91,11 @@ std::size_t twistCount(const MotionOptions& options) noexcept {
   return options.intervals.size();
 }
 
-bool hasPlay(const MotionOptions& options) noexcept { return options.play_length > 0.0; }
+bool hasJointPlay(const MotionOptions& options) noexcept { return !options.robot.empty(); }
+
+bool hasPlay(const MotionOptions& options) noexcept {
+  return options.play_length > 0.0 || hasJointPlay(options);
+}
 
 MotionEstimator::MotionEstimator(const MotionOptions& options)
     : options_(options), samples_(2 * kCapacity) {
@@ -77,6 +103,15 @@ MotionEstimator::MotionEstimator(const MotionOptions& options)
   const double reach =
       options_.velocity == VelocityKind::kPast ? options_.intervals.back() : options_.window;
   thinning_ = 2.0 * reach / static_cast<double>(kCapacity);
+  if (!hasJointPlay(options_)) return;
+  const KinematicChain robot = robotOf(options_);
+  joints_of_ = std::make_shared<const InverseKinematics>(robot);
+  follower_.joints = robot.home();
+  play_width_.resize(robot.size());
+  for (int j = 0; j < robot.size(); ++j)
+    play_width_(j) = robot.joints()[static_cast<std::size_t>(j)].type == JointType::kPrismatic
+                         ? options_.joint_play_length
+                         : options_.joint_play_angle;
 }
 
 void MotionEstimator::startMotion() noexcept {
@@ -86,21 +121,24 @@ void MotionEstimator::startMotion() noexcept {
 
 void MotionEstimator::reset() noexcept {
   startMotion();
-  dragged_ = false;
+  follower_.dragged = false;
+  motion_.joint_play.setZero();
 }
 
 void MotionEstimator::takeOver(const MotionEstimator& other) noexcept {
   reset();
   started_ = other.started_;
   last_stamp_ = other.last_stamp_;
-  dragged_ = other.dragged_;
-  follower_ = other.follower_;
+  // Joints of another robot, or another width of their play, say nothing of these.
+  const bool known = other.follower_.dragged && options_.robot == other.options_.robot &&
+                     play_width_ == other.play_width_;
+  if (known) follower_ = other.follower_;
   for (std::size_t i = 0; i < other.count_; ++i) {
     const StampedPose& sample = other.samples_[i];
     if (count_ > 0 && sample.stamp - samples_[count_ - 1].stamp > options_.max_gap) count_ = 0;
     remember(sample);
     motion_.pose = sample.pose;
-    if (hasPlay(options_) && !other.dragged_) drag();
+    if (hasPlay(options_) && !known) drag();
   }
 }
 
@@ -124,7 +162,6 @@ void MotionEstimator::undo() noexcept {
   last_stamp_ = undo_.last_stamp;
   started_ = undo_.started;
   motion_ = undo_.motion;
-  dragged_ = undo_.dragged;
   follower_ = undo_.follower;
 }
 
@@ -138,7 +175,6 @@ MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) n
   undo_.last_stamp = last_stamp_;
   undo_.started = started_;
   undo_.motion = motion_;
-  undo_.dragged = dragged_;
   undo_.follower = follower_;
   if (step > options_.max_gap) count_ = 0;
   started_ = true;
@@ -155,18 +191,38 @@ MotionEstimator::Outcome MotionEstimator::push(double stamp, const Pose& pose) n
 }
 
 void MotionEstimator::drag() noexcept {
+  if (joints_of_ != nullptr)
+    dragJoints();
+  else
+    dragPose();
+}
+
+void MotionEstimator::dragJoints() noexcept {
+  const IkResult now = joints_of_->solve(motion_.pose, follower_.joints);
+  if (!reproducesPose(now.status)) return;
+  if (!follower_.dragged)
+    follower_.slack = JointVector::Zero(now.joints.size());
+  else
+    follower_.slack += now.joints - follower_.joints;
+  follower_.dragged = true;
+  follower_.joints = now.joints;
+  follower_.slack = follower_.slack.cwiseMax(-play_width_).cwiseMin(play_width_).eval();
+  motion_.joint_play = follower_.slack.cwiseQuotient(play_width_);
+}
+
+void MotionEstimator::dragPose() noexcept {
   const Pose& pose = motion_.pose;
-  if (!dragged_) follower_ = pose;
-  dragged_ = true;
+  if (!follower_.dragged) follower_.pose = pose;
+  follower_.dragged = true;
   Displacement& play = motion_.play;
-  play = {pose.p - follower_.p, logRotation(pose.q * follower_.q.conjugate())};
+  play = {pose.p - follower_.pose.p, logRotation(pose.q * follower_.pose.q.conjugate())};
   if (const double length = play.p.norm(); length > options_.play_length) {
     play.p *= options_.play_length / length;
-    follower_.p = pose.p - play.p;
+    follower_.pose.p = pose.p - play.p;
   }
   if (const double angle = play.r.norm(); angle > options_.play_angle) {
     play.r *= options_.play_angle / angle;
-    follower_.q = (expRotation(-play.r) * pose.q).normalized();
+    follower_.pose.q = (expRotation(-play.r) * pose.q).normalized();
   }
 }
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "raven_correction/error.h"
+#include "raven_correction/robot/chain_file.h"
 #include "raven_correction/robot/yaml_reader.h"
 
 namespace raven_correction {
@@ -37,7 +38,20 @@ std::vector<std::vector<int>> groupsOf(int grouping) {
   return {{0}, {1}, {2}, {3}, {4}, {5}};
 }
 
-void readMotion(YamlReader yaml, MotionOptions& motion) {
+/// A file that a configuration names: beside the configuration, else as it is.
+std::string besideConfiguration(const std::string& file, const std::string& named) {
+  const std::string beside = file.substr(0, file.rfind('/') + 1) + named;  // npos + 1 = 0
+  return named[0] != '/' && std::ifstream(beside).good() ? beside : named;
+}
+
+std::string textOf(const std::string& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+void readMotion(YamlReader yaml, const std::string& file, MotionOptions& motion) {
   choose(yaml, "velocity", motion.velocity, kVelocities);
   yaml.number("window", motion.window, 1e-3, 10.0);
   yaml.numberList("intervals", motion.intervals, 1e-3, 10.0);
@@ -46,6 +60,15 @@ void readMotion(YamlReader yaml, MotionOptions& motion) {
   yaml.number("play_angle", motion.play_angle, 0.0, 3.0);
   if ((motion.play_length > 0.0) != (motion.play_angle > 0.0))
     yaml.problem("play_angle", "play_length and play_angle must be both zero or both above");
+  yaml.number("joint_play_length", motion.joint_play_length, 1e-6, 1.0);
+  yaml.number("joint_play_angle", motion.joint_play_angle, 1e-6, 3.0);
+  std::string robot;
+  yaml.text("robot", robot);
+  try {
+    if (!robot.empty()) knowRobot(besideConfiguration(file, robot), motion);
+  } catch (const InvalidInput& error) {
+    yaml.problem("robot", error.what());
+  }
   yaml.refuseUnknownKeys();
 }
 
@@ -95,11 +118,9 @@ void readPhysics(YamlReader yaml, const std::string& file, TrainingConfig& confi
   yaml.text("simulation", simulation);
   yaml.refuseUnknownKeys();
   if (simulation.empty()) return;
-  const std::string beside = file.substr(0, file.rfind('/') + 1) + simulation;  // npos + 1 = 0
   try {
-    const bool is_beside = simulation[0] != '/' && std::ifstream(beside).good();
     config.simulation = std::make_shared<const SimulationConfig>(
-        loadSimulationConfig(is_beside ? beside : simulation));
+        loadSimulationConfig(besideConfiguration(file, simulation)));
   } catch (const InvalidInput& error) {
     yaml.problem("simulation", error.what());
   }
@@ -124,7 +145,7 @@ TrainingConfig loadTrainingConfig(const std::string& file) {
     synchronisation.number("max_gap_periods", config.max_gap_periods, 1.0, 1000.0);
     synchronisation.refuseUnknownKeys();
   }
-  if (yaml.has("motion")) readMotion(yaml.section("motion"), config.motion);
+  if (yaml.has("motion")) readMotion(yaml.section("motion"), file, config.motion);
   if (yaml.has("cleaning")) readCleaning(yaml.section("cleaning"), config);
   if (yaml.has("rigid")) {
     YamlReader rigid = yaml.section("rigid");
@@ -144,11 +165,14 @@ TrainingConfig loadTrainingConfig(const std::string& file) {
   if (yaml.has("physics")) readPhysics(yaml.section("physics"), file, config);
   yaml.refuseUnknownKeys();
   yaml.throwIfAnyProblem();
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  config.text = text.str();
+  config.text = textOf(file);
   return config;
+}
+
+void knowRobot(const std::string& file, MotionOptions& motion) {
+  loadKinematicChain(file);  // says what is wrong with it
+  motion.robot = textOf(file);
+  checkMotionOptions(motion);
 }
 
 }  // namespace raven_correction

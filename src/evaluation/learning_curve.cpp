@@ -2,6 +2,7 @@
 #include "raven_correction/evaluation/learning_curve.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -42,7 +43,7 @@ void check(const Dataset& dataset, const LearningCurveProblem& problem) {
     throw InvalidInput(format("%s: %zu trajectories, at least %d are needed for %d folds",
                               dataset.source.c_str(), dataset.trajectories.size(), problem.folds,
                               problem.folds));
-  if (problem.simulations.size() != 1 && problem.simulations.size() != folds)
+  if (problem.simulations.size() > 1 && problem.simulations.size() != folds)
     throw InvalidInput(format("%zu simulations for %d folds; give one, or one per fold in order",
                               problem.simulations.size(), problem.folds));
   for (const int fold : problem.only_folds)
@@ -63,16 +64,14 @@ class Fold {
       : problem_(problem),
         training_(selectFold(dataset, {fold, problem.folds}, false)),
         test_(selectFold(dataset, {fold, problem.folds}, true)),
-        simulation_(
-            problem.simulations[problem.simulations.size() == 1 ? 0
-                                                                : static_cast<std::size_t>(fold)]) {
+        simulation_(simulationOf(problem, static_cast<std::size_t>(fold))) {
     TrainingConfig config = problem.config;
     config.process_enabled = false;
     config.simulation = nullptr;
     config.max_pairs = 0;
     rigid_ = train(training_, config, 0.0).model;
     config.simulation = simulation_;
-    physics_ = train(training_, config, 0.0);
+    if (simulation_) physics_ = train(training_, config, 0.0);
     max_gap_ = commandGapLimit(training_, config);
     clean_ = cleanStates(statesOf(rigid_), rigid_.rigid, problem.gates);
     if (std::find(clean_.begin(), clean_.end(), true) == clean_.end())
@@ -113,6 +112,11 @@ class Fold {
   }
 
  private:
+  static std::shared_ptr<const SimulationConfig> simulationOf(const LearningCurveProblem& problem,
+                                                              std::size_t fold) {
+    if (problem.simulations.empty()) return nullptr;
+    return problem.simulations[problem.simulations.size() == 1 ? 0 : fold];
+  }
   std::vector<TestState> statesOf(const Correction& model) const {
     return makeTestStates(test_, model.motion, model.delay, max_gap_, problem_.gates);
   }
@@ -173,6 +177,58 @@ void compare(const std::vector<TrajectorySums>& sums, const LearningCurveProblem
   saved.angle_upper = angle.upper;
 }
 
+/// Which methods depend on the number of pairs, in the order of the rows.
+std::vector<CurveMethod> learners(bool physics) {
+  if (physics) return {CurveMethod::kRegression, CurveMethod::kPhysicsRegression};
+  return {CurveMethod::kRegression};
+}
+
+std::vector<LearningCurveRow> emptyRows(const LearningCurveProblem& problem) {
+  const bool physics = !problem.simulations.empty();
+  std::vector<CurveMethod> fixed{CurveMethod::kNone, CurveMethod::kRigid};
+  if (physics) fixed.push_back(CurveMethod::kPhysics);
+  std::vector<LearningCurveRow> rows;
+  LearningCurveRow row;
+  for (const CurveMethod method : fixed) {
+    row.method = method;
+    rows.push_back(row);
+  }
+  for (const std::size_t pairs : problem.pairs)
+    for (const CurveMethod method : learners(physics)) {
+      row.method = method;
+      row.pairs = pairs;
+      rows.push_back(row);
+    }
+  return rows;
+}
+
+/// What physics saves, by number of pairs. @param sums  by number of pairs, then held-out
+/// trajectory
+std::vector<PairsSaved> pairsSaved(const LearningCurveProblem& problem,
+                                   const std::vector<LearningCurveRow>& rows,
+                                   std::vector<std::vector<TrajectorySums>>& sums) {
+  std::vector<double> position_curve, angle_curve;
+  for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
+    position_curve.push_back(rows[3 + 2 * p].errors.position_norm);
+    angle_curve.push_back(rows[3 + 2 * p].errors.angle_norm);
+  }
+  std::vector<PairsSaved> all;
+  for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
+    PairsSaved saved;
+    saved.pairs = problem.pairs[p];
+    const ErrorSummary& errors = rows[4 + 2 * p].errors;
+    saved.position_pairs = pairsFor(errors.position_norm, problem.pairs, position_curve);
+    saved.angle_pairs = pairsFor(errors.angle_norm, problem.pairs, angle_curve);
+    std::vector<TrajectorySums>& of = sums[p];
+    of.erase(std::remove_if(of.begin(), of.end(),
+                            [](const TrajectorySums& sum) { return sum.count == 0.0; }),
+             of.end());
+    compare(of, problem, saved);
+    all.push_back(saved);
+  }
+  return all;
+}
+
 }  // namespace
 
 LearningCurveResult learningCurve(const Dataset& dataset, const LearningCurveProblem& problem,
@@ -185,15 +241,12 @@ LearningCurveResult learningCurve(const Dataset& dataset, const LearningCurvePro
   }
   LearningCurveResult result;
   for (const auto& simulation : problem.simulations) result.simulations.push_back(simulation->name);
-  for (const CurveMethod method : {CurveMethod::kNone, CurveMethod::kRigid, CurveMethod::kPhysics})
-    result.rows.push_back({method, 0, 0, {}, {}});
-  for (const std::size_t pairs : problem.pairs)
-    for (const CurveMethod method : {CurveMethod::kRegression, CurveMethod::kPhysicsRegression})
-      result.rows.push_back({method, pairs, 0, {}, {}});
+  result.rows = emptyRows(problem);
+  const bool physics = !problem.simulations.empty();
   std::vector<std::vector<TrajectorySums>> sums(problem.pairs.size());
 
-  const double steps =
-      static_cast<double>(folds.size()) * static_cast<double>(1 + 2 * problem.pairs.size());
+  const double steps = static_cast<double>(folds.size()) *
+                       static_cast<double>(1 + learners(physics).size() * problem.pairs.size());
   double done = 0.0;
   for (const int k : folds) {
     const auto report = [&](const std::string& what) {
@@ -201,28 +254,33 @@ LearningCurveResult learningCurve(const Dataset& dataset, const LearningCurvePro
         progress(format("fold %d/%d, %s", k, problem.folds, what.c_str()), done / steps);
       done += 1.0;
     };
-    report("rigid and physics");
+    report(physics ? "rigid and physics" : "rigid");
     const Fold fold(dataset, problem, k);
     result.trajectories += fold.tests();
     result.out_of_reach += fold.physics().out_of_reach;
     const std::vector<std::size_t> trajectories = fold.trajectories();
     auto row = result.rows.begin();
-    const auto add = [&](const std::vector<PoseError>& errors, std::size_t n_train) {
+    const auto add = [&](const std::vector<PoseError>& errors, std::size_t n_train,
+                         double seconds = 0.0) {
       row->folds.push_back(summarise(errors));
       row->n_train += n_train;
+      row->train_seconds += seconds;
       ++row;
     };
     add(fold.errors(fold.rigid(), PredictionKind::kNone), 0);
     add(fold.errors(fold.rigid(), PredictionKind::kRigid), fold.rigid().training_pairs);
-    add(fold.errors(fold.physics().model, PredictionKind::kFull), 0);
+    if (physics) add(fold.errors(fold.physics().model, PredictionKind::kFull), 0);
     for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
       const std::size_t first = sums[p].size();
       sums[p].resize(first + fold.tests());
-      for (const bool with_physics : {false, true}) {
+      for (const CurveMethod method : learners(physics)) {
+        const bool with_physics = method == CurveMethod::kPhysicsRegression;
         report(format("%zu pairs%s", problem.pairs[p], with_physics ? " and physics" : ""));
+        const auto begin = std::chrono::steady_clock::now();
         const TrainingResult learnt = fold.learn(problem.pairs[p], with_physics);
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
         const std::vector<PoseError> errors = fold.errors(learnt.model, PredictionKind::kFull);
-        add(errors, learnt.model.training_pairs);
+        add(errors, learnt.model.training_pairs, taken.count());
         for (std::size_t i = 0; i < errors.size(); ++i) {
           TrajectorySums& sum = sums[p][first + trajectories[i]];
           (with_physics ? sum.physics : sum.alone) +=
@@ -235,25 +293,9 @@ LearningCurveResult learningCurve(const Dataset& dataset, const LearningCurvePro
   for (LearningCurveRow& row : result.rows) {
     row.errors = meanOf(row.folds);
     row.n_train /= row.folds.size();
+    row.train_seconds /= static_cast<double>(row.folds.size());
   }
-  std::vector<double> position_curve, angle_curve;
-  for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
-    position_curve.push_back(result.rows[3 + 2 * p].errors.position_norm);
-    angle_curve.push_back(result.rows[3 + 2 * p].errors.angle_norm);
-  }
-  for (std::size_t p = 0; p < problem.pairs.size(); ++p) {
-    PairsSaved saved;
-    saved.pairs = problem.pairs[p];
-    const ErrorSummary& errors = result.rows[4 + 2 * p].errors;
-    saved.position_pairs = pairsFor(errors.position_norm, problem.pairs, position_curve);
-    saved.angle_pairs = pairsFor(errors.angle_norm, problem.pairs, angle_curve);
-    std::vector<TrajectorySums>& of = sums[p];
-    of.erase(std::remove_if(of.begin(), of.end(),
-                            [](const TrajectorySums& sum) { return sum.count == 0.0; }),
-             of.end());
-    compare(of, problem, saved);
-    result.saved.push_back(saved);
-  }
+  if (physics) result.saved = pairsSaved(problem, result.rows, sums);
   if (progress) progress("done", 1.0);
   return result;
 }

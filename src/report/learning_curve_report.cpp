@@ -23,9 +23,9 @@ std::string learningCurveText(const LearningCurveResult& result) {
   std::string text = format(
       "%zu trajectories held out; clean states; means over folds (in brackets: lowest and "
       "highest)\n\n"
-      "%-20s %6s   %-24s %8s %8s   %-24s\n",
+      "%-20s %6s   %-24s %8s %8s   %-24s %8s\n",
       result.trajectories, "method", "pairs", "position [mm], norm MAE", "median", "p95",
-      "angle [deg], norm MAE");
+      "angle [deg], norm MAE", "train [s]");
   for (const LearningCurveRow& row : result.rows) {
     double low_position = 1e9, high_position = 0.0, low_angle = 1e9, high_angle = 0.0;
     for (const ErrorSummary& fold : row.folds) {
@@ -35,12 +35,16 @@ std::string learningCurveText(const LearningCurveResult& result) {
       high_angle = std::max(high_angle, kDegree * fold.angle_norm);
     }
     const std::string pairs = row.pairs > 0 ? format("%zu", row.pairs) : std::string("-");
-    text += format("%-20s %6s   %6.2f (%5.2f..%5.2f)     %8.2f %8.2f   %6.2f (%5.2f..%5.2f)\n",
-                   curveMethodName(row.method), pairs.c_str(),
-                   kMillimetre * row.errors.position_norm, low_position, high_position,
-                   kMillimetre * row.errors.position_median, kMillimetre * row.errors.position_p95,
-                   kDegree * row.errors.angle_norm, low_angle, high_angle);
+    const std::string seconds =
+        row.pairs > 0 ? format("%.2f", row.train_seconds) : std::string("-");
+    text +=
+        format("%-20s %6s   %6.2f (%5.2f..%5.2f)     %8.2f %8.2f   %6.2f (%5.2f..%5.2f)     %8s\n",
+               curveMethodName(row.method), pairs.c_str(), kMillimetre * row.errors.position_norm,
+               low_position, high_position, kMillimetre * row.errors.position_median,
+               kMillimetre * row.errors.position_p95, kDegree * row.errors.angle_norm, low_angle,
+               high_angle, seconds.c_str());
   }
+  if (result.saved.empty()) return text;
   text += format(
       "\nerror with physics over error of regression alone, same pairs (95 %% over trajectories),\n"
       "and the pairs with which regression alone is as good\n\n%6s   %-22s %-22s %10s %10s\n",
@@ -76,7 +80,8 @@ std::string learningCurveJson(const LearningCurveResult& result) {
                   {"position_median_mm", kMillimetre * row.errors.position_median},
                   {"position_p95_mm", kMillimetre * row.errors.position_p95},
                   {"angle_norm_deg", kDegree * row.errors.angle_norm},
-                  {"angle_mean_deg", kDegree * row.errors.angle_mean}};
+                  {"angle_mean_deg", kDegree * row.errors.angle_mean},
+                  {"train_seconds", row.train_seconds}};
     for (const ErrorSummary& fold : row.folds) {
       entry["fold_position_norm_mm"].push_back(kMillimetre * fold.position_norm);
       entry["fold_angle_norm_deg"].push_back(kDegree * fold.angle_norm);

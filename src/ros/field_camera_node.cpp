@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "raven_correction/FragmentArray.h"
+#include "raven_correction/GraspResult.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/image_conversions.h"
@@ -33,7 +34,7 @@ FieldCameraParams loadFieldCameraParams(const ros::NodeHandle& nh) {
   std::vector<double> field(params.p_base_field.data(), params.p_base_field.data() + 3);
   ParamReader read(nh, "field_camera");
   read.integer("seed", params.seed, 0, 2147483647);
-  read.number("rate", params.rate, 0.1, 30.0);
+  read.number("rate", params.rate, 0.0, 30.0);
   read.text("base_frame", params.base_frame);
   read.text("field_frame", params.field_frame);
   read.text("camera_frame", params.camera_frame);
@@ -49,12 +50,27 @@ FieldCameraParams loadFieldCameraParams(const ros::NodeHandle& nh) {
   read.number("distance", params.rig.distance, 0.1, 1.5);
   read.number("tilt", params.rig.tilt, -1.0, 1.0);
   read.number("azimuth", params.rig.azimuth, -3.2, 3.2);
+  read.texts("grippers", params.grippers);
+  std::vector<double> receptacles;
+  read.numbers("receptacles", receptacles, 3 * params.grippers.size(), -2.0, 2.0);
+  read.positive("receptacle_radius", params.field.receptacle_radius, 0.2);
+  GraspConfig& grasp = params.field.grasp;
+  read.positive("finger", grasp.finger, 0.1);
+  read.number("squeeze", grasp.squeeze, 0.0, 0.05);
+  read.positive("grasp_height", grasp.height, 0.05);
+  read.positive("grasp_along_pads", grasp.along_pads, 0.05);
+  read.positive("grasp_tilt", grasp.tilt, 1.5);
   if (params.scene.fragments_max < params.scene.fragments_min)
     read.problem("fragments_max", format("%d is less than fragments_min = %d",
                                          params.scene.fragments_max, params.scene.fragments_min));
   read.refuseUnknownKeys();
   read.throwIfAnyProblem();
   if (field.size() == 3) params.p_base_field = Eigen::Vector3d(field[0], field[1], field[2]);
+  for (std::size_t i = 0; i + 2 < receptacles.size(); i += 3)
+    params.field.p_field_receptacle.push_back(
+        Eigen::Vector3d(receptacles[i], receptacles[i + 1], receptacles[i + 2]) -
+        params.p_base_field);
+  params.field.field_size = params.scene.field_size;
   params.base_frame = withoutSlash(params.base_frame);
   params.field_frame = withoutSlash(params.field_frame);
   params.camera_frame = withoutSlash(params.camera_frame);
@@ -67,6 +83,7 @@ FieldCameraNode::FieldCameraNode(const ros::NodeHandle& nh, const ros::NodeHandl
     : params_(params),
       rig_(makeStereoRig(params.rig)),
       renderer_(rig_.camera),
+      field_(params.field),
       scene_seed_(static_cast<std::uint64_t>(params.seed)),
       nh_(nh) {
   ros::NodeHandle own(private_nh);
@@ -75,23 +92,30 @@ FieldCameraNode::FieldCameraNode(const ros::NodeHandle& nh, const ros::NodeHandl
   right_image_ = nh_.advertise<sensor_msgs::Image>(topics::kRightImage, 2);
   right_info_ = nh_.advertise<sensor_msgs::CameraInfo>(topics::kRightInfo, 2);
   truth_ = own.advertise<FragmentArray>("truth", 1, true);
+  grasps_ = own.advertise<GraspResult>("grasps", 20);
   const ros::Time now = ros::Time::now();
   static_broadcaster_.sendTransform(
       {transformOf(params.base_frame, params.field_frame,
                    {params.p_base_field, Eigen::Quaterniond::Identity()}, now),
        transformOf(params.field_frame, params.camera_frame, rig_.X_field_camera, now)});
-  expose();
+  setScene(scene_seed_);
   next_scene_ = own.advertiseService("next_scene", &FieldCameraNode::onNextScene, this);
-  timer_ = nh_.createTimer(ros::Duration(1.0 / params.rate),
-                           [this](const ros::TimerEvent&) { publishFrame(); });
+  load_scene_ = own.advertiseService("load_scene", &FieldCameraNode::onLoadScene, this);
+  take_picture_ = own.advertiseService("take_picture", &FieldCameraNode::onTakePicture, this);
+  for (const std::string& gripper : params.grippers)
+    jaws_.push_back(nh_.subscribe<JawEvent>(
+        gripper + "/" + kJawEventTopic, 10,
+        [this, gripper](const JawEventConstPtr& event) { onJaw(gripper, *event); }));
+  if (params.rate > 0.0)
+    timer_ = nh_.createTimer(ros::Duration(1.0 / params.rate),
+                             [this](const ros::TimerEvent&) { publishFrame(); });
   ROS_INFO("field_camera: publishes %s and %s, %d x %d px", left_image_.getTopic().c_str(),
            right_image_.getTopic().c_str(), params.rig.width, params.rig.height);
 }
 
 bool FieldCameraNode::onNextScene(std_srvs::Trigger::Request&,
                                   std_srvs::Trigger::Response& response) {
-  ++scene_seed_;
-  expose();
+  setScene(scene_seed_ + 1);
   response.success = true;
   response.message =
       format("scene of seed %llu: %zu fragments", static_cast<unsigned long long>(scene_seed_),
@@ -99,9 +123,51 @@ bool FieldCameraNode::onNextScene(std_srvs::Trigger::Request&,
   return true;
 }
 
+bool FieldCameraNode::onLoadScene(LoadScene::Request& request, LoadScene::Response& response) {
+  setScene(request.seed);
+  response.success = true;
+  response.fragments = static_cast<std::uint32_t>(exposure_.fragments.size());
+  response.message = format("scene of seed %llu", static_cast<unsigned long long>(scene_seed_));
+  return true;
+}
+
+bool FieldCameraNode::onTakePicture(std_srvs::Trigger::Request&,
+                                    std_srvs::Trigger::Response& response) {
+  publishFrame();
+  response.success = true;
+  response.message = "a pair of images was published";
+  return true;
+}
+
+void FieldCameraNode::onJaw(const std::string& gripper, const JawEvent& event) {
+  Pose X_field_tool = poseFromMsg(event.pose);
+  X_field_tool.p -= params_.p_base_field;
+  const JawOutcome outcome = event.event == JawEvent::CLOSED
+                                 ? field_.close(gripper, X_field_tool, event.opening)
+                                 : field_.open(gripper, X_field_tool);
+  GraspResult msg;
+  msg.header.stamp = event.header.stamp;
+  msg.header.frame_id = params_.field_frame;
+  msg.gripper = gripper;
+  msg.outcome = static_cast<std::uint8_t>(outcome.kind);
+  msg.fragment = outcome.fragment;
+  msg.offset = vectorToMsg(outcome.fit.p_tool_fragment);
+  msg.extent = outcome.fit.extent;
+  msg.tilt = outcome.fit.tilt;
+  msg.left = static_cast<std::uint32_t>(field_.scene().fragments.size());
+  grasps_.publish(msg);
+  if (outcome.kind == JawOutcome::Kind::kHeld || outcome.kind == JawOutcome::Kind::kDropped)
+    expose();
+}
+
+void FieldCameraNode::setScene(std::uint64_t seed) {
+  scene_seed_ = seed;
+  field_.set(makeDebridementScene(params_.scene, seed));
+  expose();
+}
+
 void FieldCameraNode::expose() {
-  exposure_ =
-      renderer_.expose(makeDebridementScene(params_.scene, scene_seed_), rig_.X_field_camera);
+  exposure_ = renderer_.expose(field_.scene(), rig_.X_field_camera);
   FragmentArray truth;
   truth.header.stamp = ros::Time::now();
   truth.header.frame_id = params_.field_frame;

@@ -125,6 +125,9 @@ CorrectionModel modelToMsg(const Correction& model) {
   msg.max_gap = model.motion.max_gap;
   msg.play_length = model.motion.play_length;
   msg.play_angle = model.motion.play_angle;
+  msg.play_robot = model.motion.robot;
+  msg.joint_play_length = model.motion.joint_play_length;
+  msg.joint_play_angle = model.motion.joint_play_angle;
   for (const GpGroup& group : model.process.groups) msg.groups.push_back(groupToMsg(group));
   msg.workspace_min = pointToMsg(model.trust.workspace_min);
   msg.workspace_max = pointToMsg(model.trust.workspace_max);
@@ -178,6 +181,9 @@ Correction modelFromMsg(const CorrectionModel& msg) {
   model.motion.max_gap = msg.max_gap;
   model.motion.play_length = msg.play_length;
   model.motion.play_angle = msg.play_angle;
+  model.motion.robot = msg.play_robot;
+  model.motion.joint_play_length = msg.joint_play_length;
+  model.motion.joint_play_angle = msg.joint_play_angle;
   checkMotionOptions(model.motion);
   if (!msg.groups.empty()) {
     const std::size_t features = featureCount(model.motion);

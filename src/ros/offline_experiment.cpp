@@ -2,7 +2,8 @@
 // offline experiment NAME: experiments of the paper and of this package. fidelity: how like a
 // measured session the simulation is; physics: what physics as the mean of the regression is worth;
 // repeatability (offline_repeatability.cpp): poses visited again and again through the nodes;
-// fragments (offline_fragments.cpp): how well the stereo camera finds them.
+// fragments (offline_fragments.cpp): how well the stereo camera finds them; trace and
+// learning-curve (offline_figures.cpp): two figures of the paper.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -12,6 +13,7 @@
 #include "raven_correction/report/fidelity_report.h"
 #include "raven_correction/report/learning_curve_report.h"
 #include "raven_correction/ros/command_record.h"
+#include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/session_bag.h"
 
@@ -108,15 +110,19 @@ void addExperimentCommand(CLI::App& app) {
   CLI::App* const experiment = app.add_subcommand("experiment", "Experiments, by name");
   experiment->require_subcommand(1);
   addPhysics(*experiment);
+  addFigureExperiments(*experiment);
   addRepeatabilityExperiment(*experiment);
   addFragmentsExperiment(*experiment);
+  addDebridementExperiment(*experiment);
   const auto arguments = std::make_shared<FidelityArguments>();
-  CLI::App* const command = experiment->add_subcommand(
-      "fidelity",
-      "Drives the simulation with the measured commands and prints, measured against simulated, on "
-      "the trajectories of one fold (a test where the simulation was not fitted to them): errors, "
-      "delay, cleaning, timing, errors "
-      "against joints and speed, and Table I");
+  CLI::App* const command =
+      experiment->add_subcommand("fidelity",
+                                 "Drives the simulation with the measured commands and prints, "
+                                 "measured against simulated, on "
+                                 "the trajectories of one fold (a test where the simulation was "
+                                 "not fitted to them): errors, "
+                                 "delay, cleaning, timing, errors "
+                                 "against joints and speed, and Table I");
   command->add_option("INPUT", arguments->input, "bag or data set directory")->required();
   command->add_option("--simulation", arguments->simulation,
                       "default: config/simulation/raven2_left_case2014.yaml of the package");

@@ -2,12 +2,12 @@
 // offline experiment repeatability: Table II of the paper on the simulated robot, through the real
 // nodes, on a ROS master that the command starts and ends.
 #include <CLI/CLI.hpp>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
 #include "raven_correction/error.h"
 #include "raven_correction/report/repeatability_report.h"
+#include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/repeatability_experiment.h"
 
@@ -21,25 +21,11 @@ struct Arguments {
   std::string json, output;
 };
 
-/// A folder for the nodes, which stays if the experiment fails, so that its log can be read.
-std::string temporaryFolder() {
-  std::string name = fs::temp_directory_path() / "raven_correction_repeatability_XXXXXX";
-  if (mkdtemp(name.data()) == nullptr)
-    throw InvalidInput(format("%s: cannot be made; set --output", name.c_str()));
-  return name;
-}
-
 void run(const Arguments& arguments) {
   checkOutputFile(arguments.json, true);
   RepeatabilityParams params = arguments.params;
   checkRepeatability(params);
-  if (!arguments.output.empty()) {
-    fs::create_directories(arguments.output);
-    if (!fs::is_empty(arguments.output))
-      throw InvalidInput(format("%s: is not empty; nothing was written, choose another folder",
-                                arguments.output.c_str()));
-  }
-  params.folder = arguments.output.empty() ? temporaryFolder() : arguments.output;
+  params.folder = experimentFolder("repeatability", arguments.output);
   RepeatabilityReport report = runRepeatability(params, showProgress);
   if (arguments.output.empty()) {
     fs::remove_all(params.folder);

@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "raven_correction/JawEvent.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/jaw_event.h"
 #include "raven_correction/ros/topics.h"
 
 namespace raven_correction {
@@ -31,6 +33,7 @@ SimulatedArmPort::SimulatedArmPort(const ros::NodeHandle& nh, const std::string&
   joints_ = nh_.advertise<sensor_msgs::JointState>(topics::kJoints, 10);
   jaw_ = nh_.advertise<sensor_msgs::JointState>(topics::kJaw, 10);
   mocap_ = nh_.advertise<geometry_msgs::PoseStamped>(topics::kMocap, 100);
+  jaw_event_ = nh_.advertise<JawEvent>(kJawEventTopic, 10);
   reset_ = nh_.advertiseService(node + "/reset", &SimulatedArmPort::onReset, this);
   load_ = nh_.advertiseService(node + "/load", &SimulatedArmPort::onLoad, this);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
@@ -69,6 +72,15 @@ void SimulatedArmPort::publish() {
   for (const StampedPose& sample : report.mocap)
     mocap_.publish(
         stampedPoseToMsg(sample.stamp, X_mocap_base_ * sample.pose, params_.mocap_frame));
+  for (const JawPassage& passage : report.passages) {
+    JawEvent msg;
+    msg.header.stamp.fromSec(passage.stamp);
+    msg.header.frame_id = params_.base_frame;
+    msg.event = passage.closed ? JawEvent::CLOSED : JawEvent::OPENED;
+    msg.opening = passage.opening;
+    msg.pose = poseToMsg(passage.X_base_tool);
+    jaw_event_.publish(msg);
+  }
   publishJoints(joints_, joint_names_, report.joints);
   publishJoints(jaw_, {"jaw"}, report.jaw);
 }

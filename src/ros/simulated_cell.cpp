@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "raven_correction/error.h"
+#include "raven_correction/simulation/instrument_clearance.h"
 
 namespace raven_correction {
 namespace {
@@ -35,6 +36,7 @@ void SimulatedCell::restartReports(double start) {
 
 void SimulatedCell::reset(double start) {
   arm_.reset(start);
+  jaw_open_ = false;
   restartReports(start);
 }
 
@@ -59,6 +61,11 @@ double SimulatedCell::nextReport() const noexcept {
 
 /// The arm is at `time`.
 void SimulatedCell::reportAt(double time, const std::vector<Obstacle>& obstacles) {
+  noticeJaw(time);
+  for (const Obstacle& other : obstacles)
+    report_.clearance =
+        std::min(report_.clearance,
+                 clearance(instrumentOf(arm_.config().motion_capture.rig, arm_.toolPose()), other));
   if (next_measured_ <= time) {
     report_.measured.push_back({time, arm_.measuredPose()});
     next_measured_ += 1.0 / rates_.measured_cp;
@@ -76,6 +83,15 @@ void SimulatedCell::reportAt(double time, const std::vector<Obstacle>& obstacles
     const MocapFrame frame = motion_capture_.capture(arm_.toolPose(), obstacles);
     if (frame.pose) in_flight_.push_back(*frame.pose);
   }
+}
+
+void SimulatedCell::noticeJaw(double time) {
+  const double opening = arm_.jaw();
+  const bool open = opening >= arm_.config().gripper.grasp_opening;
+  if (open != jaw_open_)
+    report_.passages.push_back({time, !open, open ? opening : widest_, arm_.toolPose()});
+  widest_ = open && jaw_open_ ? std::max(widest_, opening) : opening;
+  jaw_open_ = open;
 }
 
 void SimulatedCell::endReports(double time) {
@@ -97,6 +113,8 @@ void advanceTogether(const std::vector<SimulatedCell*>& cells, double time) {
     cell->report_.joints.clear();
     cell->report_.jaw.clear();
     cell->report_.mocap.clear();
+    cell->report_.passages.clear();
+    cell->report_.clearance = std::numeric_limits<double>::infinity();
   }
   std::vector<Obstacle> obstacles;
   for (;;) {

@@ -24,4 +24,10 @@ double SimulatorClock::advance(double steady) noexcept {
   return time_;
 }
 
+double SimulatorClock::hold(double steady) noexcept {
+  started_ = true;
+  last_steady_ = steady;
+  return time_;
+}
+
 }  // namespace raven_correction

@@ -3,9 +3,11 @@
 
 #include <ros/callback_queue.h>
 #include <rosgraph_msgs/Clock.h>
+#include <std_msgs/Float64.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 namespace raven_correction {
@@ -13,6 +15,7 @@ namespace {
 
 constexpr double kLongestClockStep = 0.01;  // of simulated time between two cycles [s]
 constexpr double kClockJump = 1.0;          // of the followed clock: not made up for, but said [s]
+constexpr double kClearancePeriod = 0.05;   // of its messages [s, real]
 constexpr double kGiveUpLateness = 0.1;     // of a cycle: more is not made up for [s]
 
 double steadySeconds() {
@@ -44,11 +47,39 @@ SimulatorNode::SimulatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
     robots += (robots.empty() ? "" : ", ") + port->simulation().robot.name();
   }
   diagnostics_.setHardwareID(robots + " (simulated)");
+  ros::NodeHandle own(private_nh);
+  if (params.arms.size() > 1)
+    clearance_publisher_ = own.advertise<std_msgs::Float64>("clearance", 10);
+  pause_ = own.advertiseService("pause", &SimulatorNode::onPause, this);
   if (clock_) clock_publisher_ = nh_.advertise<rosgraph_msgs::Clock>("/clock", 10);
 }
 
 double SimulatorNode::now() {
-  return clock_ ? clock_->advance(steadySeconds()) : ros::Time::now().toSec();
+  if (!clock_) return ros::Time::now().toSec();
+  return paused_ ? clock_->hold(steadySeconds()) : clock_->advance(steadySeconds());
+}
+
+bool SimulatorNode::onPause(std_srvs::SetBool::Request& request,
+                            std_srvs::SetBool::Response& response) {
+  response.success = clock_ != nullptr;
+  if (!clock_) {
+    response.message = "the clock is not this node's: ~clock_rate is 0";
+    return true;
+  }
+  paused_ = request.data != 0;
+  response.message = paused_ ? "the clock stands" : "the clock runs";
+  return true;
+}
+
+void SimulatorNode::watchClearance(double steady) {
+  for (const auto& arm : arms_) clearance_ = std::min(clearance_, arm->cell()->report().clearance);
+  least_clearance_ = std::min(least_clearance_, clearance_);
+  if (steady - last_clearance_ < kClearancePeriod || !std::isfinite(clearance_)) return;
+  last_clearance_ = steady;
+  std_msgs::Float64 msg;
+  msg.data = clearance_;
+  clearance_publisher_.publish(msg);
+  clearance_ = std::numeric_limits<double>::infinity();
 }
 
 void SimulatorNode::run() {
@@ -99,6 +130,7 @@ void SimulatorNode::cycle(double time) {
     for (const auto& arm : arms_) cells.push_back(arm->cell());
     advanceTogether(cells, time_);
     for (const auto& arm : arms_) arm->publish();
+    if (clearance_publisher_) watchClearance(steadySeconds());
   }
   diagnostics_.update();
 }
@@ -131,6 +163,8 @@ void SimulatorNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) 
   status.add("late cycles", late_cycles_);
   status.addf("worst lateness [ms]", "%.3f", 1e3 * worst_lateness_);
   status.addf("time [s]", "%.6f", time_);
+  if (std::isfinite(least_clearance_))
+    status.addf("smallest distance of instruments [mm]", "%.2f", 1e3 * least_clearance_);
   if (time_ > reported_time_)
     status.addf("cycles per second of the clock", "%.1f",
                 static_cast<double>(cycles_ - reported_cycles_) / (time_ - reported_time_));

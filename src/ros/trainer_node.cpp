@@ -73,6 +73,7 @@ TrainerParams loadTrainerParams(const ros::NodeHandle& nh) {
   read.text("tool", params.tool);
   read.text("pose_type", params.pose_type);
   read.text("robot", params.robot);
+  read.text("play_robot", params.play_robot);
   read.texts("other_robots", params.other_robots);
   read.number("valid_hours", params.valid_hours, 0.0, 1e5);
   read.refuseUnknownKeys();
@@ -92,7 +93,7 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
       params_(loadTrainerParams(private_nh)),
       work_(private_nh_, "a training", "~retrain") {
   // Mistakes in files are better found now than later.
-  loadTrainingConfig(params_.configuration);
+  configurationFrom(params_.configuration);
   loadArms(params_.robot, params_.other_robots, "");
   model_publisher_ = nh_.advertise<CorrectionModel>(topics::kModel, 1, true);
   samples_publisher_ = nh_.advertise<TrainingSamples>(topics::kSamples, 1, true);
@@ -104,6 +105,12 @@ TrainerNode::TrainerNode(const ros::NodeHandle& nh, const ros::NodeHandle& priva
   save_service_ = private_nh_.advertiseService("save", &TrainerNode::onSave, this);
   ROS_INFO("trainer: model on %s, retrain with %s", model_publisher_.getTopic().c_str(),
            retrain_service_.getService().c_str());
+}
+
+TrainingConfig TrainerNode::configurationFrom(const std::string& file) const {
+  TrainingConfig config = loadTrainingConfig(file);
+  if (!params_.play_robot.empty()) knowRobot(expandHome(params_.play_robot), config.motion);
+  return config;
 }
 
 void TrainerNode::goLive(const Correction& model) {
@@ -194,7 +201,7 @@ CheckedInputs TrainerNode::readChecked(const std::vector<std::string>& names, bo
 
 void TrainerNode::retrain(const Retrain::Request& request, Retrain::Response& response) {
   work_.report("reading", 0.0);
-  TrainingConfig config = loadTrainingConfig(
+  TrainingConfig config = configurationFrom(
       request.configuration.empty() ? params_.configuration : expandHome(request.configuration));
   if (!request.simulation.empty())
     config.simulation = std::make_shared<const SimulationConfig>(

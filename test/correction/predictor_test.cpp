@@ -45,6 +45,10 @@ TEST(Correction, FeaturesAreThePoseTheTwistsAndThePlayAfterTheRigidStep) {
   EXPECT_LT((x.segment<3>(12) - rigid.q * motion.twists[1].v).norm(), 1e-15);
   EXPECT_LT((x.segment<3>(18) - rigid.q * motion.play.p).norm(), 1e-15);
   EXPECT_LT((x.segment<3>(21) - rigid.q * motion.play.r).norm(), 1e-15);
+  // Joints are the same seen from anywhere.
+  options.robot = "a robot";
+  motion.joint_play << -1.0, -0.5, 0.0, 0.25, 0.75, 1.0;
+  EXPECT_EQ(features().tail<6>(), motion.joint_play);
 }
 
 TEST(Predictor, ReproducesTheFieldAtFreshPoses) {

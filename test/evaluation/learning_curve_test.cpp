@@ -78,6 +78,27 @@ TEST(LearningCurve, TheNominalSimulationSavesNone) {
             rowOf(result, CurveMethod::kRigid, 0).errors.position_norm);
 }
 
+// The paper's Fig. 5: more states, smaller errors; each number takes some time.
+TEST(LearningCurve, NeedsNoSimulation) {
+  const Dataset dataset = simulateSession(robot(), 16, 3);
+  LearningCurveProblem problem = quick(robot());
+  const LearningCurveResult with = learningCurve(dataset, problem);
+  problem.simulations.clear();
+  const LearningCurveResult without = learningCurve(dataset, problem);
+  ASSERT_EQ(without.rows.size(), 4u);
+  EXPECT_TRUE(without.saved.empty());
+  for (const std::size_t pairs : problem.pairs) {
+    const LearningCurveRow& row = rowOf(without, CurveMethod::kRegression, pairs);
+    EXPECT_EQ(row.errors.position_norm,
+              rowOf(with, CurveMethod::kRegression, pairs).errors.position_norm);
+    EXPECT_GT(row.train_seconds, 0.0);
+  }
+  EXPECT_LT(rowOf(without, CurveMethod::kRegression, 200).errors.position_norm,
+            rowOf(without, CurveMethod::kRegression, 40).errors.position_norm);
+  EXPECT_LT(rowOf(without, CurveMethod::kRegression, 40).errors.position_norm,
+            rowOf(without, CurveMethod::kRigid, 0).errors.position_norm);
+}
+
 TEST(LearningCurve, RefusesWhatDoesNotFitTogether) {
   const Dataset dataset = simulateSession(robot(), 5, 3);
   LearningCurveProblem problem = quick(robot());

@@ -29,6 +29,10 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
       written.motion.intervals.pop_back();
       written.motion.play_length = 0.025;
       written.motion.play_angle = 0.4;
+      written.motion.joint_play_length = 0.003;
+      written.motion.joint_play_angle = 0.06;
+      std::ifstream robot("config/robots/raven2_left.yaml");
+      written.motion.robot.assign(std::istreambuf_iterator<char>(robot), {});
     }
     written.homed_at = 900.5;
     written.speed_delay = 0.1171875;
@@ -47,6 +51,9 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
     EXPECT_EQ(read.motion.intervals, written.motion.intervals);
     EXPECT_EQ(read.motion.play_length, written.motion.play_length);
     EXPECT_EQ(read.motion.play_angle, written.motion.play_angle);
+    EXPECT_EQ(read.motion.robot, written.motion.robot);
+    EXPECT_EQ(read.motion.joint_play_length, written.motion.joint_play_length);
+    EXPECT_EQ(read.motion.joint_play_angle, written.motion.joint_play_angle);
     ASSERT_EQ(read.process.groups.size(), written.process.groups.size());
     for (std::size_t g = 0; g < read.process.groups.size(); ++g) {
       const GpGroup &a = read.process.groups[g], &b = written.process.groups[g];

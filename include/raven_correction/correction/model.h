@@ -77,8 +77,8 @@ struct Correction {
 };
 
 /// Features of the process: position and rotation vector relative to the mean orientation, then
-/// (v, w) of each twist, then (p, r) of the play where there is one, everything after G:
-/// 6 (1 + twistCount() + hasPlay()).
+/// (v, w) of each twist, then (p, r) of the play where there is one, everything after G; or, with
+/// the play of joints, theirs instead of (p, r): 6 (1 + twistCount() + hasPlay()).
 std::size_t featureCount(const MotionOptions& options) noexcept;
 constexpr std::size_t kMaxFeatures = 6 * (2 + kMaxTwists);
 
@@ -88,7 +88,8 @@ constexpr std::size_t kMaxFeatures = 6 * (2 + kMaxTwists);
 /// @param mean_orientation  after G
 /// @param options  with which `motion` was estimated
 /// @param features  x y z [m], rotation vector in the frame of the mean orientation [rad], then for
-///                  each twist v [m/s] and w [rad/s] in base, then of the play p [m] and r [rad]
+///                  each twist v [m/s] and w [rad/s] in base, then of the play p [m] and r [rad],
+///                  or of the play of each joint its share [-]
 void computeFeatures(const Motion& motion, const Pose& rigid,
                      const Eigen::Quaterniond& mean_orientation, const MotionOptions& options,
                      double* features) noexcept;

@@ -6,10 +6,12 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "raven_correction/geometry/stream.h"
+#include "raven_correction/robot/inverse_kinematics.h"
 
 namespace raven_correction {
 
@@ -36,10 +38,19 @@ struct MotionOptions {
   /// How far the pose gets ahead of the follower of Motion::play, >= 0; both zero: there is none.
   double play_length = 0.0;  ///< [m]
   double play_angle = 0.0;   ///< [rad]
+  /// Where the robot is known, Motion::joint_play takes the place of Motion::play: text of its
+  /// robot file (robot/chain_file.h), six joints; empty: not known.
+  std::string robot;
+  double joint_play_length = 0.002;  ///< half width of the play of a prismatic joint, > 0 [m]
+  double joint_play_angle = 0.05;    ///< the same of a revolute joint [rad]
 };
-/// @throws InvalidInput  an option is out of its range, or there are more than kMaxTwists intervals
+/// @throws InvalidInput  an option is out of its range, there are more than kMaxTwists intervals,
+/// or
+///         the robot's text cannot be read or has not six joints
 void checkMotionOptions(const MotionOptions& options);
-/// Motion::play is a part of what is known.
+/// Motion::joint_play is a part of what is known.
+bool hasJointPlay(const MotionOptions& options) noexcept;
+/// Motion::play or Motion::joint_play is.
 bool hasPlay(const MotionOptions& options) noexcept;
 /// Number of twists in a Motion: intervals for kPast, none for kNone, otherwise one.
 std::size_t twistCount(const MotionOptions& options) noexcept;
@@ -59,6 +70,10 @@ struct Motion {
   /// the tool has come, which it still has at rest, where there is no velocity. Friction and
   /// backlash depend on it. Zero where there is no play, and before the tool has moved.
   Displacement play;
+  /// The same joint by joint, which is where friction and backlash are: -1 where the joint has come
+  /// down at least the width of its play, 1 where it has come up, between them where it has turned
+  /// round since; of the joints that the robot needs to be where the tool is. [-]
+  Eigen::Matrix<double, 6, 1> joint_play = Eigen::Matrix<double, 6, 1>::Zero();
   double step = 0.0;  ///< since the sample before [s]; 0 for the first of a motion
 };
 
@@ -75,6 +90,7 @@ struct Motion {
 ///            else pulled towards x until |x - z| = length. It stays in the pauses between motions,
 ///            too; a move that nobody saw counts as a straight one.
 ///            Source: Brokate, Sprekels 1996, doi:10.1007/978-1-4612-4048-8
+///   joints   a scalar play operator for each; a pose that the robot does not reach moves none
 class MotionEstimator {
  public:
   explicit MotionEstimator(const MotionOptions& options);
@@ -104,6 +120,8 @@ class MotionEstimator {
   void remember(const StampedPose& sample) noexcept;
   void pastTwists() noexcept;
   void drag() noexcept;
+  void dragPose() noexcept;
+  void dragJoints() noexcept;
 
   static constexpr std::size_t kCapacity = 1024;  ///< samples remembered
   MotionOptions options_;
@@ -112,8 +130,14 @@ class MotionEstimator {
   std::size_t count_ = 0;
   double last_stamp_ = 0.0;
   bool started_ = false;
-  bool dragged_ = false;  ///< there is a follower
-  Pose follower_;
+  std::shared_ptr<const InverseKinematics> joints_of_;  ///< null: the robot is not known
+  JointVector play_width_;                              ///< half of it, per joint [rad, m]
+  struct Follower {                                     ///< of the play
+    bool dragged = false;                               ///< there is one
+    Pose pose;
+    JointVector joints;  ///< the robot's, at the newest pose that it reaches [rad, m]
+    JointVector slack;   ///< by how much they are ahead of their followers [rad, m]
+  } follower_;
   Motion motion_;
   struct Undo {  ///< what the last sample has overwritten
     std::size_t count = 0, place = 0;
@@ -121,8 +145,7 @@ class MotionEstimator {
     double last_stamp = 0.0;
     bool started = false;
     Motion motion;
-    bool dragged = false;
-    Pose follower;
+    Follower follower;
   } undo_;
 };
 

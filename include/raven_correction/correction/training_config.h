@@ -59,4 +59,8 @@ struct TrainingConfig {
 ///         range: one text that lists them all
 TrainingConfig loadTrainingConfig(const std::string& file);
 
+/// The motion knows the play of this robot's joints.
+/// @throws InvalidInput  the robot file cannot be read, or its robot has not six joints
+void knowRobot(const std::string& file, MotionOptions& motion);
+
 }  // namespace raven_correction

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What physics as the mean is worth: errors on trajectories left out against the number of training
-// pairs, of regression alone and of regression about a simulation, and how many pairs the
-// simulation saves. All pairs and all methods of the paper are table_one.h.
+// Errors on trajectories left out, and the time of training, against the number of training pairs:
+// of regression alone (the paper's Fig. 5), and, with a simulation, of regression about it, and how
+// many pairs the simulation saves. All pairs and all methods of the paper are table_one.h.
 #pragma once
 
 #include <memory>
@@ -25,8 +25,8 @@ const char* curveMethodName(CurveMethod method) noexcept;
 
 struct LearningCurveProblem {
   TrainingConfig config;  ///< of every training; its simulation, max_pairs and draw are not used
-  /// One per fold, or one for all. Figures are honest only if none was fitted to what its fold
-  /// tests on.
+  /// One per fold, or one for all; empty: regression alone. Figures are honest only if none was
+  /// fitted to what its fold tests on.
   std::vector<std::shared_ptr<const SimulationConfig>> simulations;
   std::vector<std::size_t> pairs{100, 300, 1000, 4000};  ///< increasing
   TrainingConfig::Draw draw = TrainingConfig::Draw::kPairs;
@@ -39,9 +39,10 @@ struct LearningCurveProblem {
 
 struct LearningCurveRow {
   CurveMethod method = CurveMethod::kNone;
-  std::size_t pairs = 0;    ///< asked for; 0 for methods that do not depend on it
-  std::size_t n_train = 0;  ///< learnt from, mean over folds
-  ErrorSummary errors;      ///< clean held-out states; means over folds
+  std::size_t pairs = 0;       ///< asked for; 0 for methods that do not depend on it
+  std::size_t n_train = 0;     ///< learnt from, mean over folds
+  double train_seconds = 0.0;  ///< synchronising, cleaning and fitting, mean over folds [s]
+  ErrorSummary errors;         ///< clean held-out states; means over folds
   std::vector<ErrorSummary> folds;
 };
 
@@ -58,8 +59,8 @@ struct PairsSaved {
 };
 
 struct LearningCurveResult {
-  std::vector<LearningCurveRow> rows;  ///< none, rigid, physics; then by pairs
-  std::vector<PairsSaved> saved;       ///< one per number of pairs
+  std::vector<LearningCurveRow> rows;  ///< none, rigid, physics if there is; then by pairs
+  std::vector<PairsSaved> saved;       ///< one per number of pairs; empty without physics
   std::size_t trajectories = 0;        ///< held out in some fold
   std::size_t out_of_reach = 0;  ///< training pairs that a simulation does not reach, all folds
   std::vector<std::string> simulations;

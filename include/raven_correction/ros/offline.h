@@ -24,6 +24,7 @@ void addExperimentCommand(CLI::App& app);
 /// Likewise, of the command `experiment`.
 void addRepeatabilityExperiment(CLI::App& experiment);
 void addFragmentsExperiment(CLI::App& experiment);
+void addFigureExperiments(CLI::App& experiment);
 
 /// Options of readTrusted().
 void addCheckOptions(CLI::App& command, std::vector<std::string>& robots, bool& ignore);

@@ -81,6 +81,7 @@ class SimulatedArmPort {
   ros::Publisher joints_;
   ros::Publisher jaw_;
   ros::Publisher mocap_;
+  ros::Publisher jaw_event_;
   ros::Subscriber command_;
   ros::Subscriber jaw_command_;
   ros::ServiceServer reset_;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <vector>
 
 #include "raven_correction/simulation/simulated_arm.h"
@@ -18,6 +19,14 @@ struct ReportRates {
   double measured_js = 100.0;
 };
 
+/// The jaw has passed grasp_opening.
+struct JawPassage {
+  double stamp = 0.0;    ///< at most a report later than it was [s]
+  bool closed = false;   ///< otherwise it was opened
+  double opening = 0.0;  ///< closed: the widest since it was opened; otherwise of now [rad]
+  Pose X_base_tool;      ///< true, without noise
+};
+
 /// What was reported in one interval, each stream in the order of its stamps.
 struct CellReport {
   PoseStream measured;                ///< forward kinematics of the encoders, base frame
@@ -25,6 +34,10 @@ struct CellReport {
   std::vector<StampedJoints> joints;  ///< of the encoders, in the order of the robot's joints
   std::vector<StampedJoints> jaw;     ///< opening, one value [rad]; with `joints`
   PoseStream mocap;                   ///< the tool as motion capture saw it, base frame
+  std::vector<JawPassage> passages;   ///< of the jaw
+  /// Smallest distance between the instrument of this arm and those of the arms that share its base
+  /// frame [m]; infinite without one, negative where they have met.
+  double clearance = std::numeric_limits<double>::infinity();
 };
 
 /// Deterministic from its seed, its commands and the instants it is asked for. Not thread-safe.
@@ -63,6 +76,7 @@ class SimulatedCell {
   double nextReport() const noexcept;
   void reportAt(double time, const std::vector<Obstacle>& obstacles);
   void endReports(double time);
+  void noticeJaw(double time);
 
   ReportRates rates_;
   SimulatedArm arm_;
@@ -72,6 +86,8 @@ class SimulatedCell {
   double next_joints_ = 0.0;
   std::deque<StampedPose> in_flight_;  // frames whose stamp has not come yet
   CellReport report_;
+  bool jaw_open_ = false;
+  double widest_ = 0.0;  // opening since the jaw was opened [rad]
 };
 
 /// Moves on several arms that stand in one room, as advanceTo() does with one. At every exposure

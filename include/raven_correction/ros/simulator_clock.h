@@ -16,6 +16,8 @@ class SimulatorClock {
   /// beyond max_step is lost for good.
   /// @param steady  [s], any origin
   double advance(double steady) noexcept;
+  /// The clock stands until this instant of the steady clock. @return time()
+  double hold(double steady) noexcept;
   double time() const noexcept { return time_; }
 
  private:

@@ -6,9 +6,11 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
+#include <std_srvs/SetBool.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -29,6 +31,8 @@ struct SimulatorParams {
 /// @throws InvalidInput  lists all problems
 SimulatorParams loadSimulatorParams(const ros::NodeHandle& nh);
 
+/// With several arms, `~clearance` says how near their instruments have come to one another since
+/// the message before. `~pause` lets a clock of the node's own stand still, and with it every arm.
 /// One thread: callbacks are served in the controller's loop, so nothing is locked.
 class SimulatorNode {
  public:
@@ -46,6 +50,8 @@ class SimulatorNode {
   void publishRegistrations();
   void publishClock(double time, double steady);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void watchClearance(double steady);
+  bool onPause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
 
   SimulatorParams params_;
   std::unique_ptr<SimulatorClock> clock_;  // null: the ROS clock is followed
@@ -57,9 +63,15 @@ class SimulatorNode {
   double worst_lateness_ = 0.0;        // of a cycle since the last diagnostics [s]
   std::uint64_t reported_cycles_ = 0;  // at the last diagnostics
   double reported_time_ = 0.0;         // [s]
+  bool paused_ = false;                // our own clock stands
+  double clearance_ = std::numeric_limits<double>::infinity();        // since the last message [m]
+  double least_clearance_ = std::numeric_limits<double>::infinity();  // since the start [m]
+  double last_clearance_ = 0.0;  // when it was published last, steady [s]
 
   ros::NodeHandle nh_;
   ros::Publisher clock_publisher_;
+  ros::Publisher clearance_publisher_;
+  ros::ServiceServer pause_;
   tf2_ros::StaticTransformBroadcaster static_broadcaster_;
   diagnostic_updater::Updater diagnostics_;
 };

@@ -29,7 +29,8 @@ struct TrainerParams {
   std::string arm;            ///< whose recordings are learned from; empty: as they say
   std::string tool;           ///< on that arm; empty: not known
   std::string pose_type;      ///< message type of the commands; empty: not known
-  std::string robot;  ///< chain of the arm, for the checks of recordings; empty: not checked
+  std::string robot;       ///< chain of the arm, for the checks of recordings; empty: not checked
+  std::string play_robot;  ///< chain whose joints' play models know; empty: as configured
   std::vector<std::string> other_robots;  ///< chains of arms it could be mixed up with
   double valid_hours = 0.0;  ///< a model is not taken into use later than this; 0: no limit [h]
 };
@@ -50,6 +51,8 @@ class TrainerNode {
   bool onSave(SaveModel::Request& request, SaveModel::Response& response);
 
   void retrain(const Retrain::Request& request, Retrain::Response& response);
+  /// @throws InvalidInput  see loadTrainingConfig() and knowRobot()
+  TrainingConfig configurationFrom(const std::string& file) const;
   void goLive(const Correction& model);
   void publishLive(const Correction& model);
   std::string goLiveInsteadOf(const std::string& before, const Correction& model, bool force);

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The debridement experiment with the paper's numbers beside ours: a table for people, JSON for
+// programs, a page with figures. The numbers are made in evaluation/debridement_trial.h.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raven_correction/evaluation/debridement_trial.h"
+#include "raven_correction/report/run_record.h"
+
+namespace raven_correction {
+
+struct DebridementCondition {
+  std::string name;              ///< baseline, corrected or corrected_replanning
+  double speed = 0.0;            ///< peak [m/s]
+  double replan_interval = 0.0;  ///< 0: open loop [s]
+  double deviation_limit = 0.0;  ///< replans where more is predicted; 0: never [m]
+  std::vector<ClearedField> fields;
+  double clearance = 0.0;  ///< smallest distance of the instruments; infinite for one [m]
+};
+
+struct DebridementLearning {
+  std::string arm;
+  std::string model;  ///< id
+  unsigned trajectories = 0, pairs = 0;
+  double before_mm = 0.0, after_mm = 0.0;    ///< held-out, norm of mean absolute errors
+  double before_deg = 0.0, after_deg = 0.0;  ///< likewise
+};
+
+struct DebridementReport {
+  std::vector<DebridementCondition> conditions;
+  std::vector<DebridementLearning> learning;
+  unsigned arms = 0;
+  unsigned attempts = 0;  ///< until a fragment is given up
+  std::uint64_t seed = 0;
+  double look_time = 0.0;   ///< that a picture counts [s]
+  double clock_rate = 0.0;  ///< simulated seconds per real second that were reached [-]
+  double stood = 0.0;       ///< real time in which the clock stood for pictures [s]
+  std::uint64_t cycles = 0, late_cycles = 0;  ///< of the simulator
+  std::string folder;                         ///< bags and models; empty: not kept
+};
+
+std::string debridementText(const DebridementReport& report);
+
+/// {NAME of condition: {"seconds_per_fragment", "seconds_per_fragment_interval": [lo, hi],
+/// "success_percent", "success_percent_interval", "fragments", "delivered", "given_up", "attempts",
+/// "retries_per_fragment", "first_try_percent", "missed_grasps", "dropped", "replans",
+/// "arm_seconds_per_fragment", "seconds", "waited_seconds", "speed_cm_per_s", "replan_interval_s",
+/// "deviation_limit_mm", "smallest_distance_mm" (null for one arm), "scenes": [...]},
+/// "speedup", "speedup_interval": [lo, hi], "speedup_replanning", "speedup_replanning_interval",
+/// "paper": {...}, "arms", "seed", "training": [...], "simulator": {...}, "folder"}
+std::string debridementJson(const DebridementReport& report);
+
+std::string debridementHtml(const DebridementReport& report, const RunRecord& run);
+
+}  // namespace raven_correction

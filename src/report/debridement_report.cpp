@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "raven_correction/report/debridement_report.h"
+
+#include <cmath>
+
+#include "debridement_words.h"
+#include "raven_correction/error.h"
+#include "report_json.h"
+
+namespace raven_correction {
+namespace {
+
+Json intervalJson(const Interval& interval, double scale = 1.0) {
+  return Json::array({scale * interval.lower, scale * interval.upper});
+}
+
+Json sceneJson(const ClearedField& field) {
+  return {{"seed", field.seed},           {"fragments", field.fragments},
+          {"delivered", field.delivered}, {"seconds", field.seconds},
+          {"missed", field.missed},       {"dropped", field.dropped}};
+}
+
+Json conditionJson(const DebridementCondition& condition, std::uint64_t seed) {
+  const DebridementSummary s = summarise(condition.fields, seed);
+  Json json;
+  json["seconds_per_fragment"] = s.seconds_per_fragment;
+  json["seconds_per_fragment_interval"] = intervalJson(s.seconds_interval);
+  json["success_percent"] = kPercent * s.success;
+  json["success_percent_interval"] = intervalJson(s.success_interval, kPercent);
+  json["fragments"] = s.fragments;
+  json["delivered"] = s.delivered;
+  json["given_up"] = s.given_up;
+  json["attempts"] = s.attempts;
+  json["retries_per_fragment"] = s.retries;
+  json["first_try_percent"] = kPercent * firstTryShare(s);
+  json["missed_grasps"] = s.missed;
+  json["dropped"] = s.dropped;
+  json["replans"] = s.replans;
+  json["arm_seconds_per_fragment"] = s.busy_per_fragment;
+  json["seconds"] = s.seconds;
+  json["waited_seconds"] = s.waited;
+  json["speed_cm_per_s"] = 100.0 * condition.speed;
+  json["replan_interval_s"] = condition.replan_interval;
+  json["deviation_limit_mm"] = kMillimetre * condition.deviation_limit;
+  json["smallest_distance_mm"] =
+      std::isfinite(condition.clearance) ? Json(kMillimetre * condition.clearance) : Json(nullptr);
+  json["scenes"] = Json::array();
+  for (const ClearedField& field : condition.fields) json["scenes"].push_back(sceneJson(field));
+  return json;
+}
+
+void addSpeedUp(const DebridementReport& report, const char* fast, const std::string& key,
+                Json& json) {
+  const std::optional<SpeedUp> speed_up = speedUpOf(report, fast);
+  if (!speed_up) return;
+  json[key] = speed_up->value;
+  json[key + "_interval"] = intervalJson(speed_up->interval);
+}
+
+}  // namespace
+
+std::string debridementText(const DebridementReport& report) {
+  std::string text = format(
+      "Debridement (section V-D): fragments of foam on an 8 x 8 cm field, %u %s, the same scenes "
+      "in "
+      "every condition\nsimulated time; a fragment is given up after %u attempts; intervals: 95 "
+      "%%, "
+      "bootstrap over scenes\n\n  %-36s",
+      report.arms, report.arms == 1 ? "arm" : "arms", report.attempts, "");
+  for (const DebridementCondition& condition : report.conditions)
+    text += format("  %-22s", condition.name.c_str());
+  text += "\n";
+  std::vector<DebridementSummary> summaries;
+  for (const DebridementCondition& condition : report.conditions)
+    summaries.push_back(summarise(condition.fields, report.seed));
+  for (const DebridementRow& row : debridementRows()) {
+    text += format("  %-36s", row.name);
+    for (std::size_t i = 0; i < summaries.size(); ++i)
+      text += format("  %-22s", row.value(report.conditions[i], summaries[i]).c_str());
+    text += "\n";
+  }
+  text += "\n";
+  for (const char* fast : {kCorrected, kCorrectedReplanning})
+    if (const std::optional<SpeedUp> speed_up = speedUpOf(report, fast))
+      text += format("  %-22s %.2f times faster than the baseline (%.2f to %.2f)\n", fast,
+                     speed_up->value, speed_up->interval.lower, speed_up->interval.upper);
+  text += format("  %-22s %.1f times faster, %.1f s per fragment\n", "the paper", kPaperSpeedUp,
+                 kPaperSecondsPerFragment);
+  for (const DebridementLearning& arm : report.learning)
+    text += format(
+        "  %s: learnt from %u pairs of %u trajectories; on held-out ones %.1f to %.2f mm, %.1f to "
+        "%.2f deg\n",
+        arm.arm.c_str(), arm.pairs, arm.trajectories, arm.before_mm, arm.after_mm, arm.before_deg,
+        arm.after_deg);
+  text += format(
+      "  simulator: %llu cycles, %.1f %% of them late, %.2f simulated seconds per second; the "
+      "clock "
+      "stood for %.0f s while pictures were drawn and searched, each counts %.1f s\n",
+      static_cast<unsigned long long>(report.cycles), latePercent(report), report.clock_rate,
+      report.stood, report.look_time);
+  if (!report.folder.empty()) text += "  bags, models and log: " + report.folder + "\n";
+  return text;
+}
+
+std::string debridementJson(const DebridementReport& report) {
+  Json json;
+  for (const DebridementCondition& condition : report.conditions)
+    json[condition.name] = conditionJson(condition, report.seed);
+  addSpeedUp(report, kCorrected, "speedup", json);
+  addSpeedUp(report, kCorrectedReplanning, "speedup_replanning", json);
+  json["paper"] = {{"speedup", kPaperSpeedUp},
+                   {"corrected", {{"seconds_per_fragment", kPaperSecondsPerFragment}}}};
+  json["arms"] = report.arms;
+  json["attempts_per_fragment"] = report.attempts;
+  json["seed"] = report.seed;
+  json["look_seconds"] = report.look_time;
+  json["training"] = Json::array();
+  for (const DebridementLearning& arm : report.learning)
+    json["training"].push_back({{"arm", arm.arm},
+                                {"model", arm.model},
+                                {"trajectories", arm.trajectories},
+                                {"pairs", arm.pairs},
+                                {"position_before_mm", arm.before_mm},
+                                {"position_after_mm", arm.after_mm},
+                                {"angle_before_deg", arm.before_deg},
+                                {"angle_after_deg", arm.after_deg}});
+  json["simulator"] = {{"cycles", report.cycles},
+                       {"late_percent", latePercent(report)},
+                       {"clock_rate", report.clock_rate},
+                       {"stood_seconds", report.stood}};
+  json["folder"] = report.folder;
+  return json.dump(1) + "\n";
+}
+
+}  // namespace raven_correction

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the table, the JSON and the page of the debridement experiment share.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "raven_correction/report/debridement_report.h"
+
+namespace raven_correction {
+
+constexpr char kBaseline[] = "baseline";
+constexpr char kCorrected[] = "corrected";
+constexpr char kCorrectedReplanning[] = "corrected_replanning";
+// Mahler et al. 2014, section V-D.
+constexpr double kPaperSpeedUp = 3.8;
+constexpr double kPaperSecondsPerFragment = 15.8;
+
+double firstTryShare(const DebridementSummary& summary);
+double latePercent(const DebridementReport& report);
+const DebridementCondition* conditionOf(const DebridementReport& report, const std::string& name);
+/// Of a condition over the baseline; nothing where one of them is missing.
+std::optional<SpeedUp> speedUpOf(const DebridementReport& report, const std::string& fast);
+
+/// One line of the table.
+struct DebridementRow {
+  const char* name;
+  std::string (*value)(const DebridementCondition& condition, const DebridementSummary& summary);
+};
+const std::vector<DebridementRow>& debridementRows();
+
+}  // namespace raven_correction
