@@ -18,6 +18,7 @@ constexpr std::size_t kPromising = 40;  // and so many of them in the rounds bet
 constexpr double kTie = 2.0;            // z below which two explanations cannot be told apart
 constexpr double kTieShare = 0.9;  // and the lesser one explains at least this part of the better
 constexpr std::size_t kMostEquals = 3;
+constexpr std::size_t kAtOnce = 2;  // finalists whose held-out motions are simulated together
 
 }  // namespace
 
@@ -45,15 +46,17 @@ std::vector<Finalist> Selector::fitFinalists(std::vector<Candidate> candidates) 
   std::vector<Finalist> finalists(candidates.size());
   parallelFor(static_cast<int>(candidates.size()), [&](int index) {
     const auto i = static_cast<std::size_t>(index);
-    EffectFitProblem problem = with(candidates[i]);
-    problem.scales = scales;
-    problem.max_iterations = kFinalistIterations;
-    problem.tolerance = kFinalistTolerance;
-    problem.frozen = fit_.jacobian;
-    problem.with_covariance = false;
-    finalists[i].candidate = candidates[i];
-    finalists[i].fit = fitEffects(problem);
-    finalists[i].held_out = heldOutResiduals(problem, finalists[i].fit, options_.folds);
+    Finalist& finalist = finalists[i];
+    finalist.candidate = candidates[i];
+    finalist.problem = with(candidates[i]);
+    finalist.problem.scales = scales;
+    finalist.problem.max_iterations = kFinalistIterations;
+    finalist.problem.tolerance = kFinalistTolerance;
+    finalist.problem.frozen = fit_.jacobian;
+    finalist.problem.with_covariance = false;
+    finalist.fit = fitEffects(finalist.problem);
+    finalist.problem.frozen.resize(0, 0);
+    finalist.most = rule_.compare(held_out_, finalist.fit.residual).share;
   });
   const auto ends_at_bound = [&](const Finalist& finalist) {
     const Hypothesis& hypothesis = finalist.candidate.hypothesis;
@@ -65,53 +68,74 @@ std::vector<Finalist> Selector::fitFinalists(std::vector<Candidate> candidates) 
   };
   finalists.erase(std::remove_if(finalists.begin(), finalists.end(), ends_at_bound),
                   finalists.end());
+  std::stable_sort(finalists.begin(), finalists.end(),
+                   [](const Finalist& a, const Finalist& b) { return a.most > b.most; });
   return finalists;
 }
 
-const Finalist* Selector::choose(const std::vector<Finalist>& finalists, Member& member) const {
-  std::vector<double> gain;
-  for (const Finalist& finalist : finalists)
-    gain.push_back(rule_.compare(held_out_, finalist.held_out).share);
-  std::vector<std::size_t> order(finalists.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return gain[a] > gain[b]; });
-  const auto found = std::find_if(order.begin(), order.end(), [&](std::size_t i) {
-    return rule_.earns(held_out_, finalists[i].held_out);
-  });
-  if (found == order.end()) return nullptr;
-  const std::size_t best = *found;
-  std::vector<std::size_t> equal;
-  std::size_t rest = finalists.size();
-  for (std::size_t i = 0; i < finalists.size(); ++i) {
+const Finalist* Selector::choose(std::vector<Finalist>& finalists, Member& member) const {
+  for (std::size_t held_out = 0; held_out < finalists.size();) {
+    const std::size_t first = held_out;
+    held_out = std::min(held_out + kAtOnce, finalists.size());
+    parallelFor(static_cast<int>(held_out - first), [&](int index) {
+      Finalist& finalist = finalists[first + static_cast<std::size_t>(index)];
+      finalist.held_out = heldOutResiduals(finalist.problem, finalist.fit, options_.folds);
+      finalist.gain = rule_.compare(held_out_, finalist.held_out).share;
+    });
+    // Is any of the others still needed, whose gain is no more than that?
+    const double most = held_out < finalists.size() ? finalists[held_out].most : 0.0;
+    const Choice choice = chooseAmong(finalists, held_out);
+    if (held_out < finalists.size() &&
+        (choice.best ? most > choice.next_gain || most >= kTieShare * choice.best->gain
+                     : most >= options_.least_share))
+      continue;
+    if (!choice.best) return nullptr;
+    member.hypothesis = choice.simplest->candidate.hypothesis;
+    for (const Finalist* equal : choice.equal)
+      if (equal != choice.simplest && member.equals.size() < kMostEquals)
+        member.equals.push_back(equal->candidate.hypothesis);
+    if (choice.next) {
+      member.has_runner_up = true;
+      member.runner_up = choice.next->candidate.hypothesis;
+      member.runner_up_share = choice.next_gain / std::max(choice.simplest->gain, 1e-12);
+    }
+    return choice.simplest;
+  }
+  return nullptr;
+}
+
+Selector::Choice Selector::chooseAmong(const std::vector<Finalist>& finalists,
+                                       std::size_t count) const {
+  Choice choice;
+  const auto end = finalists.begin() + static_cast<std::ptrdiff_t>(count);
+  for (auto finalist = finalists.begin(); finalist != end; ++finalist)
+    if ((!choice.best || finalist->gain > choice.best->gain) &&
+        rule_.earns(held_out_, finalist->held_out))
+      choice.best = &*finalist;
+  if (!choice.best) return choice;
+  for (auto finalist = finalists.begin(); finalist != end; ++finalist) {
     // At the scale of what the best one leaves, small differences show.
-    const Eigen::VectorXd& better = finalists[best].held_out;
-    const LossComparison worse = rule_.compare(finalists[i].held_out, better, better);
-    if (i == best || (worse.z_mean <= kTie && gain[i] >= kTieShare * gain[best]))
-      equal.push_back(i);
-    else if (rest == finalists.size() || gain[i] > gain[rest])
-      rest = i;
+    const Eigen::VectorXd& better = choice.best->held_out;
+    const LossComparison worse = rule_.compare(finalist->held_out, better, better);
+    if (&*finalist == choice.best ||
+        (worse.z_mean <= kTie && finalist->gain >= kTieShare * choice.best->gain)) {
+      choice.equal.push_back(&*finalist);
+    } else if (finalist->gain > choice.next_gain) {
+      choice.next = &*finalist;
+      choice.next_gain = finalist->gain;
+    }
   }
-  const auto simpler = [&](std::size_t a, std::size_t b) {
-    const std::size_t pa = finalists[a].candidate.hypothesis.parameters.size();
-    const std::size_t pb = finalists[b].candidate.hypothesis.parameters.size();
-    return pa != pb ? pa < pb : gain[a] > gain[b];
+  const auto simpler = [](const Finalist* a, const Finalist* b) {
+    const std::size_t pa = a->candidate.hypothesis.parameters.size();
+    const std::size_t pb = b->candidate.hypothesis.parameters.size();
+    return pa != pb ? pa < pb : a->gain > b->gain;
   };
-  std::sort(equal.begin(), equal.end(), simpler);
-  const std::size_t simplest = *std::find_if(equal.begin(), equal.end(), [&](std::size_t i) {
-    return i == best || rule_.earns(held_out_, finalists[i].held_out);
-  });
-  const Finalist& chosen = finalists[simplest];
-  member.hypothesis = chosen.candidate.hypothesis;
-  for (const std::size_t i : equal)
-    if (i != simplest && member.equals.size() < kMostEquals)
-      member.equals.push_back(finalists[i].candidate.hypothesis);
-  if (rest < finalists.size() && gain[rest] > 0.0) {
-    member.has_runner_up = true;
-    member.runner_up = finalists[rest].candidate.hypothesis;
-    member.runner_up_share = gain[rest] / std::max(gain[simplest], 1e-12);
-  }
-  return &chosen;
+  std::sort(choice.equal.begin(), choice.equal.end(), simpler);
+  choice.simplest =
+      *std::find_if(choice.equal.begin(), choice.equal.end(), [&](const Finalist* finalist) {
+        return finalist == choice.best || rule_.earns(held_out_, finalist->held_out);
+      });
+  return choice;
 }
 
 std::vector<Hypothesis> Selector::openHypotheses(bool all) const {

@@ -20,15 +20,20 @@ namespace {
 class Evaluation : public ceres::EvaluationCallback {
  public:
   Evaluation(const EffectFitProblem& problem, const Eigen::VectorXd& values)
-      : problem_(problem), values_(values) {}
+      : problem_(problem), values_(values) {
+    if (problem.start_residual.size() == 0) return;
+    residual_ = problem.start_residual;
+    residual_at_ = problem.start;
+  }
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) final {
-    if (new_evaluation_point || residual_.size() == 0) {
+    if ((new_evaluation_point || residual_.size() == 0) && !isAt(residual_at_)) {
       const SimulationConfig here = withValues(problem_.simulation, problem_.parameters, values_);
+      residual_at_ = values_;
       residual_ = residuals(*problem_.recording, *problem_.layout, here);
     }
-    if (evaluate_jacobians && !isKnown()) {
-      known_at_ = values_;
+    if (evaluate_jacobians && !isAt(jacobian_at_)) {
+      jacobian_at_ = values_;
       jacobian_ = residualJacobian(*problem_.recording, *problem_.layout, problem_.simulation,
                                    problem_.parameters, values_, residual_, problem_.frozen.cols());
       jacobian_.leftCols(problem_.frozen.cols()) = problem_.frozen;
@@ -38,14 +43,16 @@ class Evaluation : public ceres::EvaluationCallback {
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }
 
  private:
-  /// A fit ends at a point whose derivatives Ceres has asked for already.
-  bool isKnown() const { return known_at_.size() == values_.size() && known_at_ == values_; }
+  /// A fit ends at a point that Ceres has asked for already.
+  bool isAt(const Eigen::VectorXd& point) const {
+    return point.size() == values_.size() && point == values_;
+  }
 
   const EffectFitProblem& problem_;
   const Eigen::VectorXd& values_;  // Ceres writes the point into it
-  Eigen::VectorXd residual_;
+  Eigen::VectorXd residual_, residual_at_;  // and its point
   Eigen::MatrixXd jacobian_;
-  Eigen::VectorXd known_at_;  // the point of jacobian_
+  Eigen::VectorXd jacobian_at_;
 };
 
 /// One block of the residual vector, whitened.
@@ -176,6 +183,7 @@ EffectFit fitEffects(const EffectFitProblem& problem) {
   const ResidualLayout& layout = *problem.layout;
   const auto p = static_cast<Eigen::Index>(problem.parameters.size());
   if (problem.start.size() != p || problem.frozen.cols() > p ||
+      (problem.start_residual.size() > 0 && problem.start_residual.size() != layout.size) ||
       (!problem.use.empty() && static_cast<int>(problem.use.size()) != layout.motions))
     throw InvalidInput(format("a fit of %d parameters to %d motions got %d values and %zu flags",
                               static_cast<int>(p), layout.motions,

@@ -62,6 +62,7 @@ Dropped Selector::drop(const Member& member, const LinearHeldOut& linear) const 
     problem.scales = channelScales(layout_, residual);
     problem.frozen = residualJacobian(recording_, layout_, problem.simulation, problem.parameters,
                                       problem.start, residual);
+    problem.start_residual = residual;
     fit = fitEffects(problem);
     gained = rule_.compare(residual, fit.residual).share;
     problem.start = fit.values;

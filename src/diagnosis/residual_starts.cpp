@@ -65,8 +65,10 @@ std::vector<Eigen::VectorXd> periodicStarts(const ResidualView& view, int joint,
   for (double N = 4.0 * step; N < last; N += step) {  // from one wave over the range
     Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
+    Eigen::Vector2d wave = Eigen::Vector2d::Zero();
     for (std::size_t i = 0; i < q.size(); ++i) {
-      const Eigen::Vector2d wave(std::sin(N * q[i]), std::cos(N * q[i]));
+      if (i == 0 || q[i] != q[i - 1])  // position and orientation share their joints
+        wave << std::sin(N * q[i]), std::cos(N * q[i]);
       A += bb[i] * wave * wave.transpose();
       b += ab[i] * wave;
     }

@@ -115,22 +115,15 @@ std::vector<std::vector<Eigen::VectorXd>> allStarts(const EffectFitProblem& prob
                                                     const RecordingSummary& summary,
                                                     std::size_t& extra) {
   std::vector<std::vector<Eigen::VectorXd>> starts(hypotheses.size());
-  Eigen::MatrixXd joints, to_offsets;
+  Eigen::MatrixXd joints;
   ResidualView view{problem.recording, problem.layout,
                     &summary,          &fit.residual,
                     &joints,           channelScales(*problem.layout, fit.residual)};
+  std::vector<std::size_t> periodic;
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
     const Hypothesis& hypothesis = hypotheses[h];
     if (hypothesis.effect == "pulley_eccentricity") {
-      if (to_offsets.size() == 0) {
-        SimulatedSamples simulated;
-        residuals(*problem.recording, *problem.layout, here, &simulated);
-        joints = std::move(simulated.joints);
-        to_offsets = sensitivityTo(problem, here, fit,
-                                   handles("joint_offset", 0, problem.recording->robot.size()));
-      }
-      const int joint = hypothesis.joints.front();
-      starts[h] = periodicStarts(view, joint, to_offsets.col(joint), kPeriodicMost);
+      periodic.push_back(h);
       extra += static_cast<std::size_t>(kPeriodsTried);
     } else if (hypothesis.effect == "registration_shift") {
       starts[h] =
@@ -140,6 +133,17 @@ std::vector<std::vector<Eigen::VectorXd>> allStarts(const EffectFitProblem& prob
       starts[h] = startingPoints(hypothesis, summary, here);
     }
   }
+  if (periodic.empty()) return starts;
+  SimulatedSamples simulated;
+  residuals(*problem.recording, *problem.layout, here, &simulated);
+  joints = std::move(simulated.joints);
+  const Eigen::MatrixXd to_offsets = sensitivityTo(
+      problem, here, fit, handles("joint_offset", 0, problem.recording->robot.size()));
+  parallelFor(static_cast<int>(periodic.size()), [&](int index) {
+    const std::size_t h = periodic[static_cast<std::size_t>(index)];
+    const int joint = hypotheses[h].joints.front();
+    starts[h] = periodicStarts(view, joint, to_offsets.col(joint), kPeriodicMost);
+  });
   return starts;
 }
 

@@ -40,8 +40,11 @@ enum class Effort { kLinear, kLast };
 /// A hypothesis after its fit.
 struct Finalist {
   Candidate candidate;
+  EffectFitProblem problem;
   EffectFit fit;
-  Eigen::VectorXd held_out;
+  double most = 0.0;         // share of the held-out loss so far that its fit to all motions gains
+  Eigen::VectorXd held_out;  // empty: not needed, because of how little that is
+  double gain = 0.0;         // of held-out motions: no more than `most`
 };
 
 /// Whether they have a parameter in common.
@@ -62,10 +65,20 @@ class Selector {
   /// The fit so far and one more hypothesis.
   EffectFitProblem with(const Candidate& candidate) const;
   /// Those whose amplitudes end within their ranges: what needs more than may be is something else.
+  /// What explains the most of the motions that it is fitted to comes first.
   std::vector<Finalist> fitFinalists(std::vector<Candidate> candidates) const;
+  struct Choice {
+    const Finalist* best = nullptr;      // the largest gain that earns its place; null: none does
+    std::vector<const Finalist*> equal;  // explain as much, with `best`, the simplest first
+    const Finalist* simplest = nullptr;  // of these, that earns its place
+    const Finalist* next = nullptr;      // the best of the others
+    double next_gain = 0.0;
+  };
   /// The best that earns its place; of those that explain the held-out motions as well as that one
-  /// the one with the fewest parameters. Null if none does.
-  const Finalist* choose(const std::vector<Finalist>& finalists, Member& member) const;
+  /// the one with the fewest parameters. Null if none does. Simulates held-out motions of as many
+  /// finalists as it takes to know: none gains more of them than of motions that it is fitted to.
+  const Finalist* choose(std::vector<Finalist>& finalists, Member& member) const;
+  Choice chooseAmong(const std::vector<Finalist>& finalists, std::size_t count) const;
   /// Hypotheses that are not in the fit; of these the promising ones only, unless `all`.
   std::vector<Hypothesis> openHypotheses(bool all) const;
   /// Fits the best of the open hypotheses. What explains next to nothing does so in the next round,

@@ -62,6 +62,8 @@ struct EffectFitProblem {
   SimulationConfig simulation;  ///< everything else that is wrong with the robot
   std::vector<ParameterHandle> parameters;
   Eigen::VectorXd start;   ///< within the parameters' ranges
+  /// The residual at `start` where it is known; may be empty.
+  Eigen::VectorXd start_residual;
   Eigen::VectorXd scales;  ///< of the channels, see channelScales()
   std::vector<bool> use;   ///< one per motion: fitted to it; empty: all
   int max_iterations = 25;
