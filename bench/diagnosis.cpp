@@ -30,7 +30,7 @@ struct Arguments {
   std::string json;
 };
 
-std::string names(const Verdict& verdict) {
+std::string allNames(const Verdict& verdict) {
   std::string text;
   for (std::size_t i = 0; i < verdict.labels.size(); ++i) {
     text += (text.empty() ? "" : " + ") + verdict.labels[i];
@@ -66,8 +66,9 @@ class Bench {
       gained += enough;
       auto& row = matrix_[hidden.effect];
       ++row[judgement.named ? "named" : verdict.causes.empty() ? "nothing" : "other"];
+      countExtras(verdict, session.truth);
       std::printf("%-9s %-60s -> %s%s%s\n", judgement.named ? "named" : "MISSED",
-                  plant::describe(session.truth.front()).c_str(), names(verdict).c_str(),
+                  plant::describe(session.truth.front()).c_str(), allNames(verdict).c_str(),
                   judgement.size_known && !judgement.size_right ? "  SIZE" : "",
                   enough ? "" : format("  GAIN %.2f of %.2f", gain.verdict, gain.truth).c_str());
       std::fflush(stdout);
@@ -91,7 +92,11 @@ class Bench {
     for (auto& [effect, row] : matrix_)
       std::printf("%-22s %6d %6d %8d\n", effect.c_str(), row["named"], row["other"],
                   row["nothing"]);
+    printExtras();
     summary_["single"] = {{"sessions", arguments_.single},
+                          {"with_other_causes", with_extras_},
+                          {"other_causes", extras_},
+                          {"largest_other_share", largest_extra_},
                           {"named", named},
                           {"first", first},
                           {"compared", known},
@@ -101,6 +106,8 @@ class Bench {
 
   void several(int count, int sessions, const char* key) {
     int all = 0;
+    extras_ = with_extras_ = 0;
+    largest_extra_ = 0.0;
     for (int i = 0; i < sessions; ++i) {
       options_.seed = arguments_.seed + 10000 * static_cast<std::uint64_t>(count) + i;
       const auto hidden = plant::drawHiddenSet(options_, options_.seed, count, arguments_.smallest,
@@ -114,13 +121,19 @@ class Bench {
         text += (text.empty() ? "" : " + ") + plant::describe(truth);
       }
       all += right;
+      countExtras(verdict, session.truth);
       std::printf("%-9s %s -> %s\n", right ? "named" : "MISSED", text.c_str(),
-                  names(verdict).c_str());
+                  allNames(verdict).c_str());
       std::fflush(stdout);
     }
     if (sessions == 0) return;
     std::printf("\n%d effects at once: all named in %d of %d\n", count, all, sessions);
-    summary_[key] = {{"sessions", sessions}, {"all_named", all}};
+    printExtras();
+    summary_[key] = {{"sessions", sessions},
+                     {"all_named", all},
+                     {"with_other_causes", with_extras_},
+                     {"other_causes", extras_},
+                     {"largest_other_share", largest_extra_}};
   }
 
   void clean() {
@@ -132,7 +145,7 @@ class Bench {
       structures += verdict.unexplained;
       if (!verdict.causes.empty() || verdict.unexplained)
         std::printf("%-9s clean -> %s%s\n", verdict.causes.empty() ? "silent" : "CLAIM",
-                    names(verdict).c_str(), verdict.unexplained ? ", structure left" : "");
+                    allNames(verdict).c_str(), verdict.unexplained ? ", structure left" : "");
       std::fflush(stdout);
     }
     if (arguments_.clean == 0) return;
@@ -163,7 +176,7 @@ class Bench {
       }
       std::printf("%-9s %s%s (%.2f mm, %.2f deg) -> %s (%.0f %%)%s\n", ok ? "right" : "WRONG",
                   session.outside.c_str(), plant::isNearCatalogue(kind) ? " (near)" : "",
-                  session.outside_size_mm, session.outside_size_deg, names(verdict).c_str(),
+                  session.outside_size_mm, session.outside_size_deg, allNames(verdict).c_str(),
                   100.0 * claimed, verdict.unexplained ? ", structure left" : "");
       std::fflush(stdout);
     }
@@ -184,6 +197,25 @@ class Bench {
   }
 
  private:
+  /// Causes that are none of the hidden ones, nor their equals.
+  void countExtras(const Verdict& verdict, const std::vector<plant::HiddenEffect>& truth) {
+    int here = 0;
+    for (const Cause& cause : verdict.causes) {
+      const bool true_one =
+          std::any_of(truth.begin(), truth.end(), [&](const plant::HiddenEffect& hidden) {
+            return names(cause, hidden, verdict.simulation.robot);
+          });
+      if (true_one) continue;
+      ++here;
+      largest_extra_ = std::max(largest_extra_, cause.share);
+    }
+    extras_ += here;
+    with_extras_ += here > 0;
+  }
+  void printExtras() const {
+    std::printf("beside them in %d sessions %d other causes, of at most %.1f %% of the loss\n",
+                with_extras_, extras_, 100.0 * largest_extra_);
+  }
   plant::HiddenEffect draw(const std::string& effect, int i) {
     options_.seed = arguments_.seed + static_cast<std::uint64_t>(i);
     return plant::drawHidden(options_, effect, options_.seed, arguments_.smallest,
@@ -199,6 +231,8 @@ class Bench {
   plant::PlantOptions options_;
   DiagnosisOptions diagnosis_;
   std::map<std::string, std::map<std::string, int>> matrix_;
+  int extras_ = 0, with_extras_ = 0;
+  double largest_extra_ = 0.0;
   Json summary_ = Json::object(), sessions_ = Json::array();
 };
 

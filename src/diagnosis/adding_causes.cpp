@@ -193,7 +193,7 @@ bool Selector::add(int round) {
     finalists = tryHypotheses(round, true);
     choice = choose(finalists, member);
   }
-  if (!choice && !members_.empty()) {  // what is too weak alone may not be together
+  if (!choice) {  // what is too weak alone may not be together
     finalists = tryHypotheses(round, false, openGroups());
     choice = choose(finalists, member);
     member.together = true;

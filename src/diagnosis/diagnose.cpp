@@ -224,6 +224,7 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   verdict.hypotheses = selection.hypotheses;
   verdict.starts = selection.starts;
   verdict.converged = selection.converged;
+  verdict.stopped_at_most = selection.stopped_at_most;
   verdict.seed = options.selection.seed;
   verdict.causes = std::move(selection.causes);
   for (const Cause& cause : verdict.causes)
@@ -274,7 +275,8 @@ Verdict diagnose(const Dataset& dataset, const SimulationConfig& simulation,
   const Eigen::VectorXd scales = channelScales(layout, after);
   judgeWhatIsLeft(isBeyondNoise(layout, after, floor), verdict);
   for (std::size_t c = 0; c < layout.channels.size(); ++c) {
-    const double value = floor(static_cast<Eigen::Index>(c));
+    const double told = floor(static_cast<Eigen::Index>(c));
+    const double value = std::isnan(told) ? 0.0 : told;
     const double scale = scales(static_cast<Eigen::Index>(c));
     const double beyond = std::sqrt(std::max(0.0, scale * scale - value * value));
     if (layout.channels[c].encoder) continue;

@@ -49,7 +49,7 @@ class Evaluation : public ceres::EvaluationCallback {
   }
 
   const EffectFitProblem& problem_;
-  const Eigen::VectorXd& values_;  // Ceres writes the point into it
+  const Eigen::VectorXd& values_;           // Ceres writes the point into it
   Eigen::VectorXd residual_, residual_at_;  // and its point
   Eigen::MatrixXd jacobian_;
   Eigen::VectorXd jacobian_at_;
@@ -173,6 +173,8 @@ Eigen::MatrixXd effectCovariance(const EffectFitProblem& problem, const EffectFi
   }
   const Eigen::MatrixXd inverse = H.ldlt().solve(Eigen::MatrixXd::Identity(p, p));
   Eigen::MatrixXd covariance = inverse * meat * inverse * (n / std::max(1.0, n - 1.0));
+  for (Eigen::Index i = 0; i < p; ++i)  // no motion pulls at what moves nothing: its range is left
+    if (!(covariance(i, i) > 0.0)) covariance(i, i) = inverse(i, i);
   const Eigen::ArrayXd ratio =
       inverse.diagonal().array() / covariance.diagonal().array().max(1e-300);
   const Eigen::VectorXd grow = ratio.max(1.0).sqrt();

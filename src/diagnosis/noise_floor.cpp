@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -47,7 +48,8 @@ Eigen::VectorXd noiseFloor(const Recording& recording, const SimulationConfig& s
       }
     }
   }
-  Eigen::VectorXd floor = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(differences.size()));
+  Eigen::VectorXd floor = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(differences.size()),
+                                                    std::numeric_limits<double>::quiet_NaN());
   for (std::size_t c = 0; c < differences.size(); ++c)
     if (!differences[c].empty())
       floor(static_cast<Eigen::Index>(c)) = 1.4826 * median(std::move(differences[c]));

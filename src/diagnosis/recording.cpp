@@ -192,26 +192,30 @@ void rememberFrames(std::size_t runs, Recording& recording) {
 }
 
 /// Keeps every n-th observation of each kind, so that about `most` of all remain; one of a motion
-/// at least.
+/// at least. Of a sparse kind, of which nothing is kept in a motion, more is due in the next one.
 void thin(std::size_t most, Recording& recording) {
   std::size_t total = 0;
   for (const Recording::Motion& motion : recording.motions) total += motion.observations.size();
   if (most == 0 || total <= most) return;
   const double keep = static_cast<double>(most) / static_cast<double>(total);
+  double share[3] = {0.5, 0.5, 0.5};
   for (Recording::Motion& motion : recording.motions) {
-    double share[3] = {0.5, 0.5, 0.5};
+    bool any[3] = {false, false, false};
     std::vector<Observation> kept;
     for (Observation& observation : motion.observations) {
-      double& due = share[static_cast<int>(observation.kind)];
-      due += keep;
-      if (due < 1.0) continue;
-      due -= 1.0;
+      const int kind = static_cast<int>(observation.kind);
+      share[kind] += keep;
+      if (share[kind] < 1.0) continue;
+      share[kind] -= 1.0;
+      any[kind] = true;
       kept.push_back(std::move(observation));
     }
     if (kept.empty() && !motion.observations.empty())  // no motion goes altogether
       kept.push_back(std::move(motion.observations[motion.observations.size() / 2]));
     recording.left_out.thinned += motion.observations.size() - kept.size();
     motion.observations = std::move(kept);
+    for (int kind = 0; kind < 3; ++kind)
+      if (any[kind]) share[kind] = 0.5;
   }
 }
 
@@ -256,11 +260,11 @@ void finish(const Dataset& dataset, const RecordingOptions& options, Recording& 
   for (Recording::Motion& motion : motions)
     std::stable_sort(motion.observations.begin(), motion.observations.end(),
                      [](const Observation& a, const Observation& b) { return a.stamp < b.stamp; });
-  rememberFrames(kNoiseRuns, recording);
-  thin(options.max_samples, recording);
-  for (const Recording::Motion& motion : motions)
+  for (const Recording::Motion& motion : motions)  // also those that thinning leaves out
     for (const Observation& observation : motion.observations)
       recording.has_encoders |= observation.kind == Observation::Kind::kEncoders;
+  rememberFrames(kNoiseRuns, recording);
+  thin(options.max_samples, recording);
 }
 
 /// A chain of joints without any geometry, for data that has none.

@@ -24,9 +24,7 @@ EffectFitProblem Selector::without(const Member& member) const {
   EffectFitProblem problem = problem_;
   const auto begin = static_cast<std::ptrdiff_t>(member.first);
   const auto end = static_cast<std::ptrdiff_t>(member.first + member.count);
-  problem.simulation = withValues(
-      problem.simulation, member.hypothesis.parameters,
-      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(member.hypothesis.parameters.size())));
+  problem.simulation = withoutParameters(problem.simulation, member.hypothesis.parameters);
   problem.parameters.erase(problem.parameters.begin() + begin, problem.parameters.begin() + end);
   const Eigen::Index after = problem_.start.size() - member.first - member.count;
   problem.start.resize(member.first + after);

@@ -37,6 +37,13 @@ bool overlaps(const Hypothesis& a, const Hypothesis& b) {
   return false;
 }
 
+SimulationConfig withoutParameters(const SimulationConfig& simulation,
+                                   const std::vector<ParameterHandle>& parameters) {
+  if (!simulation.find(parameters.front().effect)) return simulation;
+  return withValues(simulation, parameters,
+                    Eigen::VectorXd::Zero(static_cast<Eigen::Index>(parameters.size())));
+}
+
 Selector::Selector(const Recording& recording, const ResidualLayout& layout,
                    const SimulationConfig& simulation, const SelectionOptions& options,
                    const DiagnosisProgress& progress)
@@ -63,7 +70,9 @@ Selector::Selector(const Recording& recording, const ResidualLayout& layout,
 
 SelectionResult Selector::run() {
   int round = 0;
-  while (static_cast<int>(members_.size()) < options_.max_causes && add(round)) ++round;
+  const auto is_full = [&] { return static_cast<int>(members_.size()) >= options_.max_causes; };
+  while (!is_full() && add(round)) ++round;
+  result_.stopped_at_most = is_full();
   removeWeak(Effort::kLinear);
   if (!members_.empty()) {  // nothing is added any more: to the end
     problem_.max_iterations = kLastIterations;
@@ -72,8 +81,8 @@ SelectionResult Selector::run() {
     releaseAtBounds();
     trimGroups();
     removeWeak(Effort::kLast);
-    result_.converged = fit_.converged;
   }
+  result_.converged = members_.empty() || fit_.converged;
   say("writing the verdict", 0.97);
   finish();
   return std::move(result_);

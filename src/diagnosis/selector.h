@@ -50,6 +50,11 @@ struct Finalist {
 /// Whether they have a parameter in common.
 bool overlaps(const Hypothesis& a, const Hypothesis& b);
 
+/// These parameters, of one effect, at nothing. What does not have the effect does not get it: an
+/// effect of no size can still make the load needed, and with it a simulation step by step.
+SimulationConfig withoutParameters(const SimulationConfig& simulation,
+                                   const std::vector<ParameterHandle>& parameters);
+
 class Selector {
  public:
   Selector(const Recording& recording, const ResidualLayout& layout,

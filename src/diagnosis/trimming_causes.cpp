@@ -30,7 +30,7 @@ void Selector::takeOut(Member& member, Eigen::Index parameter) {
   fit.residual = fit_.residual + fit.jacobian * (fit.values - before) -
                  fit_.jacobian.col(parameter) * fit_.values(parameter);
   const ParameterHandle gone = problem_.parameters[static_cast<std::size_t>(parameter)];
-  problem_.simulation = withValues(problem_.simulation, {gone}, Eigen::VectorXd::Zero(1));
+  problem_.simulation = withoutParameters(problem_.simulation, {gone});
   problem_.parameters.erase(problem_.parameters.begin() + parameter);
   problem_.start = fit.values;
   problem_.frozen.resize(0, 0);
@@ -52,7 +52,7 @@ bool Selector::takeOutMostDoubtful() {
     if (!member.together || member.count < 2) continue;
     for (Eigen::Index i = member.first; i < member.first + member.count; ++i) {
       const double away = std::abs(fit_.values(i)) / std::sqrt(fit_.covariance(i, i));
-      if (!(away < least)) continue;
+      if (away >= least) continue;
       most = &member;
       parameter = i;
       least = away;

@@ -110,6 +110,10 @@ std::vector<std::string> nextSteps(const Verdict& verdict, const std::string& ex
     steps.push_back(
         "The last fit did not converge: do not rely on the parameters; record more "
         "motions, or start from a simulation that is nearer.");
+  if (verdict.stopped_at_most)
+    steps.push_back(
+        "The search ended because as many causes were in as it may find: raise --max-causes to see "
+        "whether there are more.");
   if (needsLook(verdict))
     steps.push_back("More than a tenth of the samples was left out: see \"Data health\" first.");
   if (verdict.motions < kFewMotions)

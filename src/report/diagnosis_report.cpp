@@ -168,6 +168,9 @@ std::string diagnosisText(const Verdict& verdict) {
       verdict.recording.c_str(), verdict.motions, verdict.samples, verdict.folds,
       verdict.hypotheses, verdict.starts, verdict.seconds,
       static_cast<unsigned long long>(verdict.seed));
+  if (verdict.stopped_at_most)
+    text += format("no further cause was tried beside these %zu (--max-causes)\n",
+                   verdict.causes.size());
   const Recording::Left& left = verdict.left_out;
   text += format(
       "left out: %zu of %zu commands (%zu no poses, %zu out of reach), %zu brought to a joint "
@@ -242,6 +245,7 @@ std::string diagnosisJson(const Verdict& verdict) {
                   {"observations_impossible", left.impossible},
                   {"observations_thinned", left.thinned}};
   json["converged"] = verdict.converged;
+  json["stopped_at_max_causes"] = verdict.stopped_at_most;
   json["seconds"] = verdict.seconds;
   json["seed"] = verdict.seed;
   return json.dump(1) + "\n";

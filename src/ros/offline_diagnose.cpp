@@ -90,7 +90,7 @@ void addDiagnoseCommand(CLI::App& app) {
       ->check(CLI::Range(2, 100));
   command
       ->add_option("--max-causes", arguments->job.options.selection.max_causes, "at most so many")
-      ->check(CLI::Range(0, 1000));
+      ->check(CLI::Range(1, 1000));
   command
       ->add_option("--max-samples", arguments->job.options.recording.max_samples,
                    "observations used, evenly spread; 0: all")

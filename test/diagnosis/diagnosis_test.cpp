@@ -181,6 +181,58 @@ TEST(NoiseFloor, DoesNotDependOnHowManySamplesAreUsed) {
   EXPECT_NEAR(floor(1), right(1), 0.1 * right(1));
 }
 
+// Encoders that are rarer than the cameras, in short motions: fewer of them are used than there are
+// motions, and still they are a part of the recording.
+TEST(Recording, SparseEncodersOutliveThinning) {
+  Dataset dataset = recorded(nominal());
+  std::size_t encoders = 0, total = 0;
+  for (Trajectory& trajectory : dataset.trajectories) {
+    JointStream rare;
+    rare.names = nominal().robot.jointNames();
+    for (std::size_t i = 0; i < trajectory.commands.size(); i += 20)
+      rare.samples.push_back({trajectory.commands[i].stamp, nominal().robot.home()});
+    encoders += rare.samples.size();
+    trajectory.joint_observations = rare;
+    total += rare.samples.size() + trajectory.observations.size();
+  }
+  RecordingOptions options;
+  options.max_samples = total * dataset.trajectories.size() / 2 / encoders;
+  const Recording recording = makeRecording(dataset, nominal().robot, options);
+  EXPECT_TRUE(recording.has_encoders);
+  std::size_t kept = 0;
+  for (const Recording::Motion& motion : recording.motions)
+    for (const Recording::Observation& observation : motion.observations)
+      kept += observation.kind == Recording::Observation::Kind::kEncoders;
+  EXPECT_NEAR(static_cast<double>(kept), 0.5 * static_cast<double>(recording.motions.size()),
+              0.25 * static_cast<double>(recording.motions.size()));
+  const ResidualLayout layout = residualLayout(recording);
+  EXPECT_EQ(layout.channels.size(), 2u + nominal().robot.jointNames().size());
+  EXPECT_EQ(noiseFloor(recording, nominal()).size(),
+            static_cast<Eigen::Index>(layout.channels.size()));
+}
+
+TEST(EffectFit, WhatMovesNothingIsUnknownWithinItsRange) {
+  Dataset dataset = recorded(nominal());
+  const Recording recording = makeRecording(dataset, nominal().robot, {});
+  const ResidualLayout layout = residualLayout(recording);
+  EffectFitProblem problem;
+  problem.recording = &recording;
+  problem.layout = &layout;
+  problem.simulation = nominal();
+  problem.parameters = {{"joint_offset", 0}, {"joint_gain", 0}};
+  EffectFit fit;
+  fit.values = Eigen::VectorXd::Zero(2);
+  fit.residual = residuals(recording, layout, nominal());
+  fit.jacobian =
+      residualJacobian(recording, layout, nominal(), problem.parameters, fit.values, fit.residual);
+  fit.jacobian.col(1).setZero();
+  const Eigen::MatrixXd covariance = effectCovariance(problem, fit);
+  const EffectParameter gain = parameterOf(nominal(), problem.parameters[1]);
+  EXPECT_NEAR(std::sqrt(covariance(1, 1)), gain.upper - gain.lower, 1e-6);
+  const EffectParameter offset = parameterOf(nominal(), problem.parameters[0]);
+  EXPECT_LT(std::sqrt(covariance(0, 0)), 0.1 * (offset.upper - offset.lower));
+}
+
 // What only moves the tool or what is seen of it needs no second run of the joints.
 TEST(Residual, OfTheSameJointsIsThatOfTheWholeSimulation) {
   const Recording recording =

@@ -23,6 +23,14 @@ inline bool isCause(const Hypothesis& hypothesis, const plant::HiddenEffect& tru
   return truth.parameters.count(symbol) && truth.parameters.at(symbol) != 0.0;
 }
 
+/// As the cause itself or among those that cannot be told from it.
+inline bool names(const Cause& cause, const plant::HiddenEffect& truth,
+                  const KinematicChain& robot) {
+  return isCause(cause.hypothesis, truth, robot) ||
+         std::any_of(cause.equals.begin(), cause.equals.end(),
+                     [&](const Hypothesis& equal) { return isCause(equal, truth, robot); });
+}
+
 struct Judgement {
   bool named = false;       ///< as a cause, or among those that cannot be told from one
   bool first = false;       ///< as the largest cause itself, not as its equal
@@ -38,10 +46,7 @@ inline Judgement judge(const Verdict& verdict, const plant::HiddenEffect& truth)
   for (std::size_t i = 0; i < verdict.causes.size(); ++i) {
     const Cause& cause = verdict.causes[i];
     const bool itself = isCause(cause.hypothesis, truth, robot);
-    judgement.named |= itself || std::any_of(cause.equals.begin(), cause.equals.end(),
-                                             [&](const Hypothesis& equal) {
-                                               return isCause(equal, truth, robot);
-                                             });
+    judgement.named |= names(cause, truth, robot);
     if (!itself) continue;
     judgement.first |= i == 0;
     judgement.size_known = true;

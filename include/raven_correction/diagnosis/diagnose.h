@@ -43,6 +43,7 @@ struct Verdict {
 
   std::vector<Cause> causes;
   bool converged = true;            ///< the last fit of all causes
+  bool stopped_at_most = false;     ///< max_causes were in, so no further one was tried
   std::vector<std::string> labels;  ///< of the causes, for people
   SimulationConfig simulation;      ///< extended with the causes
   DiagnosisErrors before;           ///< of the simulation that was given

@@ -61,7 +61,7 @@ struct EffectFitProblem {
   const ResidualLayout* layout = nullptr;
   SimulationConfig simulation;  ///< everything else that is wrong with the robot
   std::vector<ParameterHandle> parameters;
-  Eigen::VectorXd start;   ///< within the parameters' ranges
+  Eigen::VectorXd start;  ///< within the parameters' ranges
   /// The residual at `start` where it is known; may be empty.
   Eigen::VectorXd start_residual;
   Eigen::VectorXd scales;  ///< of the channels, see channelScales()

@@ -19,8 +19,8 @@ namespace raven_correction {
 /// |away| over its factor. Errors that change slowly from frame to frame do not count, so it hardly
 /// matters which simulation it is. Frames are those before thinning, so that the floor does not
 /// depend on how many observations are used. Costs one simulation of the recording.
-/// @return one per channel of residualLayout(recording), in its order [m or rad]; 0 where no motion
-///         has three frames whose intervals are alike within a factor of two
+/// @return one per channel of residualLayout(recording), in its order [m or rad]; NaN where no
+///         motion has three frames whose intervals are alike within a factor of two
 Eigen::VectorXd noiseFloor(const Recording& recording, const SimulationConfig& simulation);
 
 }  // namespace raven_correction

@@ -46,6 +46,7 @@ struct SelectionResult {
   Eigen::VectorXd held_out_residual;  ///< see heldOutResiduals()
   SimulatedSamples held_out;          ///< what the simulations that left it say
   bool converged = true;              ///< the last fit of all causes
+  bool stopped_at_most = false;       ///< max_causes were in, so no further one was tried
   std::size_t hypotheses = 0;         ///< tried in the first round
   std::size_t starts = 0;             ///< of their fits, periods and instants included
 };

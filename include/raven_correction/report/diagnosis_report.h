@@ -33,7 +33,7 @@ std::string diagnosisText(const Verdict& verdict);
 ///  "delay" (where commands drive the simulation): {"single_s": of everything, to first order,
 ///  "slow_motion": [{"joint", "behind_s"}] (delay and lag together)},
 ///  "depends_on_before", "depends_on_after": {group: {"share_percent", "interval_percent"}},
-///  "data": {...}, "converged", "seconds", "seed"}
+///  "data": {...}, "converged", "stopped_at_max_causes", "seconds", "seed"}
 /// Joint data: errors are objects by joint with keys rms_rad or rms_m, median_..., p95_...; noise
 /// floor and what is left beyond it likewise.
 std::string diagnosisJson(const Verdict& verdict);
