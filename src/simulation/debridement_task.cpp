@@ -34,6 +34,7 @@ DebridementTask::DebridementTask(const DebridementTaskConfig& config, std::size_
                "s, deviation_limit = %g m must be >= 0, waiting = %g s > 0, round = %g >= 1",
                config.turn_limit, config.hover, config.settle, config.jaw_time,
                config.deviation_limit, config.waiting, config.round));
+  config_.orientation.normalize();  // it is given in rounded numbers
 }
 
 Pose DebridementTask::graspPose(const FragmentSighting& fragment) const {

@@ -168,7 +168,7 @@ TEST(DebridementTask, ClosesAcrossTheLongAxisAsFarAsTheLimitAllows) {
     const Eigen::Vector3d y = X.q * Eigen::Vector3d::UnitY();
     return std::remainder(std::atan2(y.y(), y.x()) - yaw, M_PI);
   };
-  const Eigen::Vector3d y = config().orientation * Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d y = config().orientation.normalized() * Eigen::Vector3d::UnitY();
   const double straight = std::atan2(y.y(), y.x()) + M_PI_2;  // yaw that needs no turn
   for (const double turn : {-0.6, 0.0, 0.3, 0.69})
     EXPECT_NEAR(std::abs(across(straight + turn, 0.010)), M_PI_2, 1e-9) << turn;
