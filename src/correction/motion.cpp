@@ -12,6 +12,7 @@ namespace raven_correction {
 namespace {
 
 constexpr int kPlayJoints = 6;
+constexpr int kArmJoints = 2;  // revolute ones, before those of the wrist
 
 KinematicChain robotOf(const MotionOptions& options) {
   KinematicChain robot = kinematicChainFromText(options.robot, "robot of the play");
@@ -58,10 +59,12 @@ void checkMotionOptions(const MotionOptions& options) {
                "neither zero",
                options.play_length, options.play_angle));
   if (hasJointPlay(options)) {
+    const auto angles = {options.joint_play_angle, options.joint_play_wrist};
     if (!(options.joint_play_length > 0.0) || options.joint_play_length > 1.0 ||
-        !(options.joint_play_angle > 0.0) || options.joint_play_angle > 3.0)
-      throw InvalidInput(format("play of joints of %g m and %g rad: must be in (0, 1] and (0, 3]",
-                                options.joint_play_length, options.joint_play_angle));
+        !(std::min(angles) > 0.0) || !(std::max(angles) <= 3.0))
+      throw InvalidInput(
+          format("play of joints of %g m, %g rad and %g rad (wrist): must be in (0, 1] and (0, 3]",
+                 options.joint_play_length, options.joint_play_angle, options.joint_play_wrist));
     robotOf(options);
   }
   if (options.velocity != VelocityKind::kPast) return;
@@ -108,10 +111,14 @@ MotionEstimator::MotionEstimator(const MotionOptions& options)
   joints_of_ = std::make_shared<const InverseKinematics>(robot);
   follower_.joints = robot.home();
   play_width_.resize(robot.size());
-  for (int j = 0; j < robot.size(); ++j)
-    play_width_(j) = robot.joints()[static_cast<std::size_t>(j)].type == JointType::kPrismatic
-                         ? options_.joint_play_length
-                         : options_.joint_play_angle;
+  int turning = 0;
+  for (int j = 0; j < robot.size(); ++j) {
+    if (robot.joints()[static_cast<std::size_t>(j)].type == JointType::kPrismatic)
+      play_width_(j) = options_.joint_play_length;
+    else
+      play_width_(j) =
+          ++turning <= kArmJoints ? options_.joint_play_angle : options_.joint_play_wrist;
+  }
 }
 
 void MotionEstimator::startMotion() noexcept {

@@ -62,6 +62,7 @@ void readMotion(YamlReader yaml, const std::string& file, MotionOptions& motion)
     yaml.problem("play_angle", "play_length and play_angle must be both zero or both above");
   yaml.number("joint_play_length", motion.joint_play_length, 1e-6, 1.0);
   yaml.number("joint_play_angle", motion.joint_play_angle, 1e-6, 3.0);
+  yaml.number("joint_play_wrist", motion.joint_play_wrist, 1e-6, 3.0);
   std::string robot;
   yaml.text("robot", robot);
   try {

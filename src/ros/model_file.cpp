@@ -128,6 +128,7 @@ CorrectionModel modelToMsg(const Correction& model) {
   msg.play_robot = model.motion.robot;
   msg.joint_play_length = model.motion.joint_play_length;
   msg.joint_play_angle = model.motion.joint_play_angle;
+  msg.joint_play_wrist = model.motion.joint_play_wrist;
   for (const GpGroup& group : model.process.groups) msg.groups.push_back(groupToMsg(group));
   msg.workspace_min = pointToMsg(model.trust.workspace_min);
   msg.workspace_max = pointToMsg(model.trust.workspace_max);
@@ -184,6 +185,7 @@ Correction modelFromMsg(const CorrectionModel& msg) {
   model.motion.robot = msg.play_robot;
   model.motion.joint_play_length = msg.joint_play_length;
   model.motion.joint_play_angle = msg.joint_play_angle;
+  model.motion.joint_play_wrist = msg.joint_play_wrist;
   checkMotionOptions(model.motion);
   if (!msg.groups.empty()) {
     const std::size_t features = featureCount(model.motion);

@@ -56,6 +56,8 @@ void addRepeatabilityExperiment(CLI::App& experiment) {
       format("simulated seconds per real second, at most; default %g", params.clock_rate));
   command->add_option("--simulation", params.simulation,
                       "simulation file; default: config/simulation/demo.yaml of the package");
+  command->add_flag("!--no-play", params.play,
+                    "the model does not know from which side each joint of the robot has come");
   command->add_option("--config", params.configuration,
                       "training configuration; default: config/trainer.yaml of the package");
   command->add_option("--output", arguments->output,

@@ -283,6 +283,7 @@ RepeatabilityReport runRepeatability(const RepeatabilityParams& params, const Pr
     arguments.push_back("trainer_configuration:=" +
                         std::filesystem::absolute(params.configuration).string());
   if (progress) progress("starting the nodes", 0.0);
+  if (!params.play) arguments.emplace_back("play_robot:=");
   PrivateLaunch launch(arguments, folder, "repeatability");
   // Standard output is for the table.
   if (ros::console::set_logger_level(ROSCONSOLE_DEFAULT_NAME, ros::console::levels::Warn))

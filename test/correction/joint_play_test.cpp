@@ -14,12 +14,13 @@ namespace raven_correction {
 namespace {
 
 const char kRobot[] = "config/robots/raven2_left.yaml";
-constexpr int kJoints = 6;
+constexpr int kJoints = 6, kInsertion = 3;  // of the Raven
 
 MotionOptions withRobot() {
   MotionOptions options;
   options.joint_play_length = 0.003;
   options.joint_play_angle = 0.04;
+  options.joint_play_wrist = 0.06;
   knowRobot(kRobot, options);
   return options;
 }
@@ -62,9 +63,9 @@ TEST(JointPlay, IsThePlayOperatorOfEachJoint) {
     ASSERT_EQ(estimator.push(1.0 + 0.02 * i, wanderer.next()), MotionEstimator::Outcome::kAccepted);
     if (i == 0) follower = wanderer.joints();
     for (int j = 0; j < kJoints; ++j) {
-      const bool prismatic =
-          wanderer.robot().joints()[static_cast<std::size_t>(j)].type == JointType::kPrismatic;
-      const double r = prismatic ? options.joint_play_length : options.joint_play_angle;
+      const double r = j < 2             ? options.joint_play_angle  // shoulder, elbow
+                       : j == kInsertion ? options.joint_play_length
+                                         : options.joint_play_wrist;
       // doi:10.1007/978-1-4612-4048-8
       follower(j) =
           std::min(wanderer.joints()(j) + r, std::max(wanderer.joints()(j) - r, follower(j)));
@@ -151,6 +152,9 @@ TEST(JointPlay, RefusesARobotThatItCannotFollow) {
   EXPECT_THROW(MotionEstimator{options}, InvalidInput);
   options = withRobot();
   options.joint_play_angle = 0.0;
+  EXPECT_THROW(MotionEstimator{options}, InvalidInput);
+  options = withRobot();
+  options.joint_play_wrist = 4.0;
   EXPECT_THROW(MotionEstimator{options}, InvalidInput);
   EXPECT_THROW(knowRobot("config/robots/no_such_robot.yaml", options), InvalidInput);
 }

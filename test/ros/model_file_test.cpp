@@ -31,6 +31,7 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
       written.motion.play_angle = 0.4;
       written.motion.joint_play_length = 0.003;
       written.motion.joint_play_angle = 0.06;
+      written.motion.joint_play_wrist = 0.07;
       std::ifstream robot("config/robots/raven2_left.yaml");
       written.motion.robot.assign(std::istreambuf_iterator<char>(robot), {});
     }
@@ -54,6 +55,7 @@ TEST(ModelFile, SurvivesARoundTripBitForBit) {
     EXPECT_EQ(read.motion.robot, written.motion.robot);
     EXPECT_EQ(read.motion.joint_play_length, written.motion.joint_play_length);
     EXPECT_EQ(read.motion.joint_play_angle, written.motion.joint_play_angle);
+    EXPECT_EQ(read.motion.joint_play_wrist, written.motion.joint_play_wrist);
     ASSERT_EQ(read.process.groups.size(), written.process.groups.size());
     for (std::size_t g = 0; g < read.process.groups.size(); ++g) {
       const GpGroup &a = read.process.groups[g], &b = written.process.groups[g];

@@ -42,7 +42,8 @@ struct MotionOptions {
   /// robot file (robot/chain_file.h), six joints; empty: not known.
   std::string robot;
   double joint_play_length = 0.002;  ///< half width of the play of a prismatic joint, > 0 [m]
-  double joint_play_angle = 0.05;    ///< the same of a revolute joint [rad]
+  double joint_play_angle = 0.02;    ///< the same of the first two revolute joints [rad]
+  double joint_play_wrist = 0.1;     ///< and of the other revolute ones [rad]
 };
 /// @throws InvalidInput  an option is out of its range, there are more than kMaxTwists intervals,
 /// or

@@ -19,6 +19,7 @@ struct RepeatabilityParams {
   double clock_rate = 3.0;      ///< simulated seconds per real second, at most, > 0
   double turn = 0.35;  ///< deviation of the orientations that are learnt from, see RunPlanner [rad]
   double margin = 0.025;   ///< by which the field that is learnt from is larger, see RunPlanner [m]
+  bool play = true;        ///< models know from which side each joint has come
   std::string folder;      ///< exists; bags, model and the nodes' log are written there
   std::string simulation;  ///< simulation file; empty: that of demo.launch
   std::string configuration;  ///< of the trainer; empty: config/trainer.yaml
