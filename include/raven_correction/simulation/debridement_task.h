@@ -40,7 +40,7 @@ struct DebridementTaskConfig {
   Pose X_base_rest;   ///< over the receptacle: where fragments are let go
   /// Of the tool over the field; x points down, y is the direction in which the jaw closes.
   Eigen::Quaterniond orientation{0.5084, 0.4938, 0.4797, -0.5173};
-  double turn_limit = 0.7;       ///< the tool is turned about the vertical by no more [rad]
+  double turn_limit = 1.2;       ///< the tool is turned about the vertical by no more [rad]
   double round = 1.15;           ///< length / width below which a fragment has no direction [-]
   double hover = 0.025;          ///< above the fragment, before and after [m]
   double settle = 0.25;          ///< over and at the fragment, at rest [s]
@@ -98,7 +98,7 @@ struct RehearsalConfig {
   unsigned fragments = 60;
   Eigen::Vector3d centre{0.0, 0.0, 0.012};
   Eigen::Vector3d half_size{0.065, 0.065, 0.030};
-  double turn = 1.0;
+  double turn = 1.4;
   double tilt = 0.1;
   double dwell = 0.3;  ///< at the end of each motion [s]
   std::uint64_t seed = 1;
