@@ -316,6 +316,8 @@ std::string Recorder::start(const std::string& name) {
     stream.order = {};
   }
   watch_->clear();
+  synchroniser_.clear();  // whatever the stamps were before: a recording begins anew
+  delay_.clear();
   const ros::Time now = ros::Time::now();
   recordParameters(now);
   recordHoming(now);

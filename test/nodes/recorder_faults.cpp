@@ -75,7 +75,7 @@ TEST(RecorderFaults, BurstIsInTheBagMessageByMessage) {
   EXPECT_EQ(read<PoseStamped>(stopped.bags, "mocap/measured_cp").size(), kBurst / 20);
 }
 
-TEST(RecorderFaults, TopicThatGoesIsReportedAndTheRecordingGoesOn) {
+TEST(RecorderFaults, TopicThatGoesAndComesBackIsReportedAndGoesOnInTheSameBag) {
   RecorderProbe arm("/left");
   ros::Publisher command = arm.advertise<PoseStamped>("servo_cp");
   ros::Publisher seen = arm.advertise<PoseStamped>("mocap/measured_cp");
@@ -98,10 +98,21 @@ TEST(RecorderFaults, TopicThatGoesIsReportedAndTheRecordingGoesOn) {
   };
   EXPECT_TRUE(diagnosed(arm, silent));
   EXPECT_EQ(arm.status().state, RecorderStatus::RECORDING);
-  ASSERT_TRUE(arm.untilReceived("servo_cp", 52));
+  command.shutdown();  // and then the planner
+
+  seen = arm.advertise<PoseStamped>("mocap/measured_cp");
+  command = arm.advertise<PoseStamped>("servo_cp");
+  both(10.0);
+  ASSERT_TRUE(arm.untilReceived("mocap/measured_cp", 100));
+  ASSERT_TRUE(arm.untilReceived("servo_cp", 103));
+  EXPECT_TRUE(diagnosed(arm, [&](const auto& status) { return !silent(status); }));
   const StopRecording::Response stopped = arm.stop();
   ASSERT_TRUE(stopped.success) << stopped.message;
-  EXPECT_EQ(read<PoseStamped>(stopped.bags, "servo_cp").size(), 52u);
+  EXPECT_EQ(stopped.pairs, 100u);  // nothing is paired across the gap
+  EXPECT_EQ(read<PoseStamped>(stopped.bags, "servo_cp").size(), 103u);
+  const Dataset session = readInputs(stopped.bags);
+  ASSERT_EQ(session.trajectories.size(), 2u);
+  EXPECT_EQ(session.trajectories[1].observations.size(), 50u);
 }
 
 TEST(RecorderFaults, TwoArmsAtOnceDoNotMix) {

@@ -36,6 +36,10 @@ class RecorderProbe {
     StartRecording call;
     call.request.bag = bag;
     EXPECT_TRUE(ros::service::call(nh.resolveName("recorder/start"), call));
+    // A status of the recording before counts the messages of that one.
+    if (call.response.success) {
+      EXPECT_TRUE(until([&] { return status_.bag == call.response.bag; })) << call.response.bag;
+    }
     return call.response;
   }
   StopRecording::Response stop() {
