@@ -7,17 +7,16 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kSamePlace =
-    1e-6;  // a pose of the stream is this near to that of the path [m, rad]
+constexpr double kNear = 1e-6;  // a pose of the stream is this near to that of the path [m, rad]
 constexpr std::size_t kMostSkipped = 25;  // poses of which the corrector saw the newest alone
 constexpr double kLongestPeriod = 0.2;    // of a stream [s]
 constexpr double kPaceTolerance = 0.5;    // of a stamp from where the pace puts it, in periods [-]
 
-bool same(const Pose& a, const Pose& b) noexcept {
-  return (a.p - b.p).norm() < kSamePlace && rotationAngle(a.q, b.q) < kSamePlace;
-}
-
 }  // namespace
+
+bool isPathPose(const Pose& pose, const Pose& of_path) noexcept {
+  return (pose.p - of_path.p).norm() < kNear && rotationAngle(pose.q, of_path.q) < kNear;
+}
 
 PathFollower::PathFollower() { path_.reserve(kCapacity); }
 
@@ -46,7 +45,7 @@ std::optional<std::size_t> PathFollower::find(double stamp, const Pose& desired)
     due = static_cast<double>(state_.last) + (stamp - state_.stamp) / state_.period;
   std::optional<std::size_t> best;
   for (std::size_t i = first; i < end; ++i) {
-    if (!same(path_[i], desired)) continue;
+    if (!isPathPose(path_[i], desired)) continue;
     if (!best ||
         std::abs(static_cast<double>(i) - due) < std::abs(static_cast<double>(*best) - due))
       best = i;

@@ -17,7 +17,7 @@ constexpr std::size_t kMaxFrames = 8;  // names that are remembered
 constexpr double kBadShare = 0.05;     // of samples that are no poses: a warning [-]
 constexpr double kMostly = 0.5;        // of samples: an error [-]
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegree = kPi / 180.0;  // [rad]
+constexpr double kRadiansPerDegree = kPi / 180.0;
 constexpr double kTurns = 4.0 * kPi;     // no joint of an arm turns further [rad]
 constexpr double kSameInstant = 0.02;    // between joints and encoders [s]
 
@@ -342,12 +342,12 @@ void StreamCheck::checkArm(std::vector<StreamFinding>& findings) const {
   if (fits(error) || !std::isfinite(error.position)) return;
   const std::string measured =
       format("joints of %s put the tool %.1f mm and %.1f deg from %s", own.name.c_str(),
-             1e3 * error.position, error.angle / kDegree, name(StreamRole::kEncoders).c_str());
+             1e3 * error.position, error.angle / kRadiansPerDegree, name(StreamRole::kEncoders).c_str());
   const std::string limit =
       format("at most %g mm and %.1f deg", 1e3 * options_.max_kinematics_error,
-             options_.max_kinematics_angle / kDegree);
+             options_.max_kinematics_angle / kRadiansPerDegree);
   const std::string& stream = name(StreamRole::kJoints);
-  if (fits(errorOf(own, kDegree))) {
+  if (fits(errorOf(own, kRadiansPerDegree))) {
     findings.push_back({Severity::kError, stream, "units", measured, limit,
                         "they fit as degrees: joints must be in rad, the insertion in m"});
     return;

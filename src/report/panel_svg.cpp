@@ -15,6 +15,7 @@ constexpr double kTextSize = 11.0;   // [px]
 constexpr double kTitleSize = 12.0;  // [px]
 constexpr double kTickLength = 4.0;  // [px]
 constexpr double kTilt = -35.0;      // of categories that would run into one another [deg]
+constexpr double kWide = 600.0;      // a wider panel has a row of its own [px]
 constexpr double kColourBar = 62.0;  // room for it [px]
 constexpr char kFrame[] = "#555555";
 constexpr char kGrid[] = "#E4E4E4";
@@ -78,6 +79,11 @@ class PanelWriter {
     left_ = 8.0 + kTickLength + widest(y_ticks_) + (labelOf(panel_.y).empty() ? 0.0 : 20.0);
     area_.width = std::max(20.0, panel_.width - left_ - right_);
     x_ticks_ = ticksOf(panel_.x, area_.x, area_.width, 62.0);
+    if (panel_.x.categories.empty()) {  // the last number may stand at the edge
+      const double more = std::max(0.0, 0.5 * widest(x_ticks_) + 2.0 - right_);
+      right_ += more;
+      area_.width -= more;
+    }
     const double room = area_.width / std::max<double>(1.0, static_cast<double>(x_ticks_.size()));
     tilted_ = !panel_.x.categories.empty() && widest(x_ticks_) + 4.0 > room;
     if (tilted_) bottom_ += 0.6 * widest(x_ticks_);
@@ -90,10 +96,12 @@ class PanelWriter {
     const std::string what = panel_.description.empty()
                                  ? labelOf(panel_.y) + " against " + labelOf(panel_.x)
                                  : panel_.description;
-    canvas_.raw("<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox=\"0 0 " + width +
-                " " + height + "\" width=\"" + width + "\" height=\"" + height +
-                "\" font-family=\"sans-serif\"><title>" + title + "</title><desc>" + xmlText(what) +
-                "</desc>");
+    canvas_.raw(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" viewBox=\"0 0 " + width + " " +
+        height + "\" width=\"" + width + "\" height=\"" + height + "\"" +
+        (panel_.width > kWide ? " style=\"max-width:" + width + "px;grid-column:1/-1\"" : "") +
+        " font-family=\"sans-serif\"><title>" + title + "</title><desc>" + xmlText(what) +
+        "</desc>");
     canvas_.rectangle({0.0, 0.0}, panel_.width, panel_.height, {"none", "#FFFFFF"});
   }
 

@@ -12,7 +12,6 @@
 namespace raven_correction {
 namespace {
 
-constexpr double kSamePlace = 1e-6;  ///< an end of the path is this near [m, rad]
 /// A longer id of a model costs the first statuses that name it an allocation each.
 constexpr std::size_t kLongestModelId = 256;
 constexpr double kMasterSilence = 5.0;  ///< of the master, that is worth a warning [s]
@@ -193,10 +192,7 @@ const Lookahead* CorrectedArm::lookAhead(double stamp, const Pose& desired,
 
 bool CorrectedArm::isEndpoint(const Pose& desired) const noexcept {
   if (!has_path_) return false;
-  const auto same = [&](const Pose& end) {
-    return (desired.p - end.p).norm() < kSamePlace && rotationAngle(desired.q, end.q) < kSamePlace;
-  };
-  return same(path_first_) || same(path_last_);
+  return isPathPose(desired, path_first_) || isPathPose(desired, path_last_);
 }
 
 void CorrectedArm::onPath(const geometry_msgs::PoseArray& path) {

@@ -58,9 +58,11 @@ CheckedInputs readTrusted(const std::vector<std::string>& inputs,
 }
 
 void addCheckOptions(CLI::App& command, std::vector<std::string>& robots, bool& ignore) {
-  command.add_option("--robot", robots,
-                     "chain of the arm (config/robots), then of arms that it may be mixed up with: "
-                     "its joints are held against its encoders");
+  command
+      .add_option("--robot", robots,
+                  "chain of the arm (config/robots), then, given again, of each arm that it may be "
+                  "mixed up with: its joints are held against its encoders")
+      ->allow_extra_args(false);
   command.add_flag("--ignore-checks", ignore,
                    "go on although the checks of the streams find errors");
 }

@@ -12,7 +12,7 @@ namespace {
 constexpr char kBerkeleyState[] = "2489ec3d939b556c05d31ea2958841b2";  // raven_2_msgs/RavenState
 constexpr char kUwState[] = "ce9e7f4969049d8bb365de3c98461a01";        // raven_2/raven_state
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;  // [rad]
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 constexpr double kMicrometre = 1e-6;                        // [m]
 constexpr double kNoRotation = 1e-2;   // of R^T R from the identity; float32 is good to 1e-6 [-]
 constexpr std::size_t kUwJoints = 16;  // of both arms
@@ -101,7 +101,7 @@ bool readUw(ByteReader& reader, std::size_t index, ArmMeasurement& arm) {
   std::array<std::optional<double>, 9> joints;
   for (std::size_t i = 0; i < kUwJoints; ++i) {
     const double degrees = static_cast<double>(reader.number<float>());
-    if (i / 8 == index && i % 8 != 3) joints[i % 8] = degrees * kDegree;
+    if (i / 8 == index && i % 8 != 3) joints[i % 8] = degrees * kRadiansPerDegree;
   }
   addJoints(joints, arm);
   skip<float>(reader, 4 * kUwJoints);  // mvel, jvel, mpos_d, jpos_d

@@ -11,6 +11,9 @@
 
 namespace raven_correction {
 
+/// Whether a pose of the stream is this pose of the path, but for rounding: within 1 um and 1 urad.
+bool isPathPose(const Pose& pose, const Pose& of_path) noexcept;
+
 /// Compares the stream with the path pose by pose, and learns from its stamps how fast it goes.
 /// Whatever does not fit (another pose, a pause in the middle, stamps at another pace) makes it say
 /// nothing: until the pace is known again, or, after a pose that is not on the path, for good. All
