@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "raven_correction/diagnosis/blocks.h"
 #include "raven_correction/diagnosis/learnable.h"
 #include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/error.h"
@@ -140,36 +141,6 @@ SimulatedResidual alignedResidual(const Recording& recording, const ResidualLayo
   SimulatedResidual aligned;
   aligned.residual = heldOutResiduals(problem, fit, verdict.folds, &aligned.simulated);
   return aligned;
-}
-
-/// Cuts motions into blocks of time where there are too few of them to hold any out.
-void cutIntoBlocks(int least, Recording& recording) {
-  if (static_cast<int>(recording.motions.size()) >= least) return;
-  const int blocks = (least + static_cast<int>(recording.motions.size()) - 1) /
-                     static_cast<int>(recording.motions.size());
-  std::vector<Recording::Motion> cut;
-  for (const Recording::Motion& motion : recording.motions) {
-    const double start = motion.setpoints.front().stamp;
-    const double length =
-        (std::max(motion.setpoints.back().stamp, motion.observations.back().stamp) - start) /
-        blocks;
-    std::vector<Recording::Motion> parts(static_cast<std::size_t>(blocks));
-    const auto part = [&](double stamp) -> Recording::Motion& {
-      const int i = length > 0.0 ? static_cast<int>((stamp - start) / length) : 0;
-      return parts[static_cast<std::size_t>(std::clamp(i, 0, blocks - 1))];
-    };
-    for (const auto& setpoint : motion.setpoints)
-      part(setpoint.stamp).setpoints.push_back(setpoint);
-    for (const auto& observation : motion.observations)
-      part(observation.stamp).observations.push_back(observation);
-    for (const auto& frame : motion.frames) part(frame.stamp).frames.push_back(frame);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      parts[i].id = format("%s block %zu", motion.id.c_str(), i);
-      if (!parts[i].setpoints.empty() && !parts[i].observations.empty())
-        cut.push_back(std::move(parts[i]));
-    }
-  }
-  recording.motions = std::move(cut);
 }
 
 /// @param beyond_noise  what is left is larger than the noise from sample to sample: it is

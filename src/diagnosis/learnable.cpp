@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <utility>
 #include <vector>
 
+#include "observed_samples.h"
 #include "raven_correction/regression/gaussian_process.h"
 #include "raven_correction/regression/gp_predictor.h"
 
@@ -19,14 +19,16 @@ constexpr int kHyperPoints = 300;
 constexpr int kMostPoints = 1500;
 constexpr Eigen::Index kFewest = 30;  // rows to learn from
 
-/// Set-point at an instant: between two of them straight, before the first at rest.
-JointVector setpointAt(const std::vector<Recording::Setpoint>& setpoints, double instant) {
+/// The set-points of the past as they are known at `now`: straight between two of them, the last
+/// one held, before the first at rest.
+JointVector setpointAt(const std::vector<Recording::Setpoint>& setpoints, double instant,
+                       double now) {
   const auto after = std::upper_bound(
       setpoints.begin(), setpoints.end(), instant,
       [](double t, const Recording::Setpoint& setpoint) { return t < setpoint.stamp; });
   if (after == setpoints.begin()) return after->joints;
   const Recording::Setpoint& before = *std::prev(after);
-  if (after == setpoints.end()) return before.joints;
+  if (after == setpoints.end() || after->stamp > now) return before.joints;
   const double share = (instant - before.stamp) / (after->stamp - before.stamp);
   return before.joints + share * (after->joints - before.joints);
 }
@@ -47,39 +49,29 @@ Table tableOf(const Recording& recording, const ResidualLayout& layout,
     table.column.push_back(columns);
     if (!channel.encoder) columns += channel.size;
   }
-  std::pair<int, int> last{-1, -1};
-  for (std::size_t i = 0; i < layout.blocks.size(); ++i) {
-    const ResidualBlock& block = layout.blocks[i];
-    if (layout.channels[static_cast<std::size_t>(block.channel)].encoder) continue;
-    if (last != std::make_pair(block.motion, block.sample)) {
-      last = {block.motion, block.sample};
-      table.motions.push_back(block.motion);
-      table.blocks.emplace_back();
-    }
-    table.blocks.back().push_back(i);
-  }
-  const auto rows = static_cast<Eigen::Index>(table.blocks.size());
+  const std::vector<ObservedSample> samples = observedSamples(recording, layout, joints);
+  const auto rows = static_cast<Eigen::Index>(samples.size());
   const Eigen::Index n = recording.robot.size();
   const auto intervals = static_cast<Eigen::Index>(std::size(kIntervals));
   table.features.resize(rows, n * (1 + intervals));
   table.targets = Eigen::MatrixXd::Zero(rows, columns);
   for (Eigen::Index r = 0; r < rows; ++r) {
-    const auto& blocks = table.blocks[static_cast<std::size_t>(r)];
-    const ResidualBlock& first = layout.blocks[blocks.front()];
-    const auto& motion = recording.motions[static_cast<std::size_t>(first.motion)];
-    const double stamp = motion.observations[static_cast<std::size_t>(first.sample)].stamp;
-    table.features.row(r).head(n) =
-        joints.col(static_cast<Eigen::Index>(blocks.front())).transpose();
-    JointVector later = setpointAt(motion.setpoints, stamp);
+    const ObservedSample& sample = samples[static_cast<std::size_t>(r)];
+    const auto& motion = recording.motions[static_cast<std::size_t>(sample.motion)];
+    const double stamp = sample.stamp;
+    table.motions.push_back(sample.motion);
+    table.blocks.push_back(sample.blocks);
+    table.features.row(r).head(n) = sample.joints.transpose();
+    JointVector later = setpointAt(motion.setpoints, stamp, stamp);
     double end = 0.0;
     for (Eigen::Index k = 0; k < intervals; ++k) {
-      const JointVector before = setpointAt(motion.setpoints, stamp - kIntervals[k]);
+      const JointVector before = setpointAt(motion.setpoints, stamp - kIntervals[k], stamp);
       table.features.row(r).segment(n * (1 + k), n) =
           ((later - before) / (kIntervals[k] - end)).transpose();
       later = before;
       end = kIntervals[k];
     }
-    for (const std::size_t b : blocks) {
+    for (const std::size_t b : sample.blocks) {
       const ResidualBlock& block = layout.blocks[b];
       const auto c = static_cast<std::size_t>(block.channel);
       for (int i = 0; i < layout.channels[c].size; ++i)

@@ -26,7 +26,8 @@ class Replay {
   /// @return whether the arm was put at rest
   bool begin(const Recording::Motion& motion) {
     motion_ = &motion;
-    next_ = 0;
+    next_ = fresh_ ? 0 : motion.carried;
+    if (next_ > 0) return false;
     const Recording::Setpoint& first = motion.setpoints.front();
     const double start = std::min(first.stamp, motion.observations.front().stamp);
     const bool rests = fresh_ || start < arm_.time();

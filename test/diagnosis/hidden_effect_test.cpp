@@ -48,10 +48,11 @@ TEST_P(HiddenEffect, IsNamedSizedAndGained) {
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, HiddenEffect,
                          testing::Values("command_delay", "tracking_lag", "drive_friction",
-                                         "joint_offset", "joint_gain", "joint_coupling", "backlash",
-                                         "cable_stretch", "pulley_eccentricity", "creep",
-                                         "link_geometry", "base_registration", "tool_offset",
-                                         "registration_shift", "mocap_scale"),
+                                         "speed_limit", "joint_offset", "joint_gain",
+                                         "joint_coupling", "backlash", "cable_stretch",
+                                         "pulley_eccentricity", "creep", "link_geometry",
+                                         "base_registration", "tool_offset", "registration_shift",
+                                         "mocap_scale"),
                          effectName);
 
 // Sessions nobody has seen before. The seed is printed: RAVEN_DIAGNOSIS_SEED=N repeats them.

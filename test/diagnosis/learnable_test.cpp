@@ -80,5 +80,33 @@ TEST(Learnable, WhatOneMotionAloneShowsIsNot) {
   EXPECT_GT(rms(after), 0.7 * rms(before));
 }
 
+// A correction does not know the command that comes next.
+TEST(Learnable, DoesNotLookAhead) {
+  Recording recording = data().recording;
+  for (Recording::Motion& motion : recording.motions)
+    motion.observations.resize((motion.observations.size() + 1) / 2);
+  const ResidualLayout layout = residualLayout(recording);
+  SimulatedSamples simulated;
+  residuals(recording, layout, nominal(), &simulated);
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal(0.0, 1e-3);
+  Eigen::VectorXd residual(layout.size);
+  for (double& value : residual) value = normal(random);
+  const auto learnt = [&] {
+    return withoutLearnable(recording, layout, residual, simulated.joints, 2, 1);
+  };
+  const Eigen::VectorXd before = learnt();
+  const auto move = [&](bool future) {
+    for (Recording::Motion& motion : recording.motions)
+      for (Recording::Setpoint& setpoint : motion.setpoints)
+        if ((setpoint.stamp > motion.observations.back().stamp) == future)
+          setpoint.joints.array() += 0.3 * normal(random) / 1e-3;
+  };
+  move(true);
+  EXPECT_EQ(learnt(), before);
+  move(false);
+  EXPECT_NE(learnt(), before);
+}
+
 }  // namespace
 }  // namespace raven_correction

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
 #include <set>
 
 #include "diagnosis/fixtures.h"
@@ -65,68 +63,6 @@ Eigen::VectorXd without(const ResidualLayout& layout, const SelectionResult& sel
   return heldOutResiduals(problem, fit, SelectionOptions().folds);
 }
 
-// A useless hypothesis passes as often as the threshold says, and not four times as often.
-TEST(ClaimRule, TheThresholdHasItsChance) {
-  constexpr int kMotions = 12, kTrials = 6000;
-  constexpr double kChance = 0.01;
-  const double threshold = typicalThreshold(kChance, kMotions);
-  std::mt19937_64 engine(9);
-  std::normal_distribution<double> normal;
-  int beyond = 0;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    const Eigen::VectorXd before = Eigen::VectorXd::Constant(kMotions, 10.0);
-    Eigen::VectorXd after = before;
-    for (Eigen::Index m = 0; m < kMotions; ++m) after(m) -= normal(engine);
-    beyond += compareLosses(before, after, 1).z_typical > threshold;
-  }
-  // Four deviations of a count of 60.
-  EXPECT_NEAR(beyond, kChance * kTrials, 4.0 * std::sqrt(kChance * kTrials));
-}
-
-TEST(ClaimRule, TheThresholdBecomesTheNormalQuantile) {
-  EXPECT_NEAR(typicalThreshold(0.01, 4000), 2.326, 0.02);
-  EXPECT_EQ(typicalThreshold(1e-4, 40), typicalThreshold(1e-4, 40));
-  EXPECT_GT(typicalThreshold(1e-4, 40), typicalThreshold(1e-3, 40));
-  EXPECT_GT(typicalThreshold(1e-4, 10), typicalThreshold(1e-4, 40));
-  EXPECT_GT(typicalThreshold(1e-4, 40), typicalThreshold(1e-4, 400));
-  EXPECT_FALSE(std::isfinite(typicalThreshold(1e-4, 1)));
-}
-
-// The gain of every motion is drawn around the same mean, as beyond chance as one wants it.
-Eigen::VectorXd improved(const ResidualLayout& layout, const Eigen::VectorXd& before, double z) {
-  constexpr double kGain = 0.1;
-  std::mt19937_64 engine(3);
-  std::normal_distribution<double> normal;
-  const double root = std::sqrt(static_cast<double>(layout.motions));
-  Eigen::VectorXd kept(layout.motions);
-  for (double& share : kept) share = 1.0 - kGain * (1.0 + root / z * normal(engine));
-  Eigen::VectorXd after = before;
-  for (const ResidualBlock& block : layout.blocks)
-    after.segment(block.offset, layout.sizeOf(block)) *=
-        std::sqrt(std::max(0.0, kept(block.motion)));
-  return after;
-}
-
-// Ten claims at once may each be ten times as likely false, so that of all as many are false.
-TEST(ClaimRule, ManyClaimsMayEachBeLessSure) {
-  const ResidualLayout layout = residualLayout(recording());
-  const Eigen::VectorXd before = Eigen::VectorXd::Constant(layout.size, 1e-3);
-  ClaimRule rule(layout, 0.004, 1);
-  EXPECT_FALSE(rule.earns(before, improved(layout, before, 20.0)));  // before setTried()
-  rule.setTried(1000, 0.01);
-  const auto least = [&](std::size_t claims) {  // z that is enough
-    rule.setClaims(claims);
-    double z = 1.5;
-    while (z < 20.0 && !rule.earns(before, improved(layout, before, z))) z += 0.02;
-    return z;
-  };
-  const double one = least(1), ten = least(10), all = least(5000);
-  EXPECT_LT(ten, one - 0.3);
-  EXPECT_LT(all, ten - 0.3);
-  EXPECT_EQ(least(1), one);
-  EXPECT_LT(one, 20.0);
-}
-
 TEST(Hypothesis, WhatIsTooWeakAloneIsTriedTogether) {
   const KinematicChain& robot = nominal().robot;
   const std::vector<Hypothesis> single = allHypotheses(recording(), nominal());
@@ -159,33 +95,6 @@ TEST(Hypothesis, WhatIsTooWeakAloneIsTriedTogether) {
   EXPECT_EQ(parameterNames(two.front(), robot), (std::vector<std::string>{"g"}));
   two.pop_back();
   EXPECT_TRUE(togetherHypotheses(two, robot).empty());
-}
-
-// What is dropped has to be made up for by values that the others may have.
-TEST(LinearHeldOut, StaysWithinTheRanges) {
-  constexpr double kRange = 1e-3;  // the offset would go further [rad]
-  constexpr int kFolds = 5;
-  const ResidualLayout layout = residualLayout(recording());
-  EffectFitProblem problem;
-  problem.recording = &recording();
-  problem.layout = &layout;
-  problem.simulation = nominal();
-  problem.parameters = {{"joint_gain", 1}, {"joint_offset", 1, 0.02 - kRange, 0.02 + kRange}};
-  problem.start.resize(2);
-  problem.start << 0.05, 0.02;
-  const auto at = withValues(nominal(), problem.parameters, problem.start);
-  problem.scales = channelScales(layout, residuals(recording(), layout, at));
-  const EffectFit fit = fitEffects(problem);
-  const Eigen::VectorXd residual = LinearHeldOut(problem, fit, kFolds).residual({0, 1, 1});
-  const Eigen::VectorXd made_up =
-      residual - fit.residual + fit.jacobian.col(0) * fit.values(0);  // by the offset
-  for (const ResidualBlock& block : layout.blocks) {
-    const auto column = fit.jacobian.col(1).segment(block.offset, layout.sizeOf(block));
-    if (!(column.norm() > 0.0)) continue;
-    const double step =
-        column.dot(made_up.segment(block.offset, column.size())) / column.squaredNorm();
-    ASSERT_LE(std::abs(fit.values(1) + step - 0.02), 1.001 * kRange);
-  }
 }
 
 // A joint that follows a fifth of the way has no gain, lag or play that explains it within the

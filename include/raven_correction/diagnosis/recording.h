@@ -52,7 +52,10 @@ struct Recording {
   /// One trajectory of the data set.
   struct Motion {
     std::string id;
-    std::vector<Setpoint> setpoints;        ///< by stamp, at least one
+    std::vector<Setpoint> setpoints;  ///< by stamp, at least one
+    /// So many of the first set-points the motion before has had already: this one is a block of
+    /// the same motion, and goes on where that one ends (blocks.h).
+    std::size_t carried = 0;
     std::vector<Observation> observations;  ///< by stamp
     /// Runs of three consecutive frames of each kind, as they were before thinning, by stamp: what
     /// the noise from frame to frame is seen in (noise_floor.h). So many, whatever max_samples is.
