@@ -27,17 +27,18 @@ DebridementTask::DebridementTask(const DebridementTaskConfig& config, std::size_
                                  DebridementCell& cell, FragmentBook& book)
     : config_(config), arm_(arm), cell_(cell), book_(book) {
   if (!(config.turn_limit >= 0.0 && config.round >= 1.0 && config.hover >= 0.0 &&
-        config.settle >= 0.0 && config.jaw_time >= 0.0 && config.waiting > 0.0 &&
-        config.deviation_limit >= 0.0))
-    throw InvalidInput(
-        format("debridement task: turn_limit = %g rad, hover = %g m, settle = %g s, jaw_time = %g "
-               "s, deviation_limit = %g m must be >= 0, waiting = %g s > 0, round = %g >= 1",
-               config.turn_limit, config.hover, config.settle, config.jaw_time,
-               config.deviation_limit, config.waiting, config.round));
+        config.settle >= 0.0 && config.retry_turn >= 0.0 && config.jaw_time >= 0.0 &&
+        config.waiting > 0.0 && config.deviation_limit >= 0.0))
+    throw InvalidInput(format(
+        "debridement task: turn_limit = %g rad, hover = %g m, settle = %g s, retry_turn = %g "
+        "rad, jaw_time = %g s, deviation_limit = %g m must be >= 0, waiting = %g s > 0, round = %g "
+        ">= 1",
+        config.turn_limit, config.hover, config.settle, config.retry_turn, config.jaw_time,
+        config.deviation_limit, config.waiting, config.round));
   config_.orientation.normalize();  // it is given in rounded numbers
 }
 
-Pose DebridementTask::graspPose(const FragmentSighting& fragment) const {
+Pose DebridementTask::graspPose(const FragmentSighting& fragment, unsigned failed) const {
   const Eigen::Vector3d across = config_.orientation * Eigen::Vector3d::UnitY();
   const Eigen::Vector3d axis =
       config_.X_base_field.q * Eigen::Vector3d(std::cos(fragment.yaw), std::sin(fragment.yaw), 0.0);
@@ -46,20 +47,23 @@ Pose DebridementTask::graspPose(const FragmentSighting& fragment) const {
       std::atan2(axis.y(), axis.x()) + M_PI_2 - std::atan2(across.y(), across.x()), M_PI);
   const bool has_direction = fragment.length > config_.round * fragment.width;
   const double limited = std::clamp(turn, -config_.turn_limit, config_.turn_limit);
-  return {config_.X_base_field * fragment.p_field, turned(config_, has_direction ? limited : 0.0)};
+  const double otherwise[] = {0.0, config_.retry_turn, -config_.retry_turn};
+  return {config_.X_base_field * fragment.p_field,
+          turned(config_, (has_direction ? limited : 0.0) + otherwise[failed % 3])};
 }
 
 /// @return the fragment, if it is still seen where it lay
 std::optional<FragmentSighting> DebridementTask::attempt(const FragmentSighting& fragment,
                                                          FragmentRecord& record) {
-  const Pose grasp = graspPose(fragment);
+  const Pose grasp = graspPose(fragment, record.attempts);
   cell_.setJaw(config_.jaw_open, 0.0);
   cell_.move("move_towards_foam", above(grasp, config_.hover), 0.0);
   cell_.move("grasp", grasp, config_.settle);
   ++record.attempts;
   const double predicted = cell_.predictedDeviation();
   record.predicted = std::max(record.predicted, predicted);
-  if (config_.deviation_limit > 0.0 && predicted > config_.deviation_limit) {
+  const bool missed = record.attempts > 1;  // so the prediction was wrong
+  if (config_.deviation_limit > 0.0 && (predicted > config_.deviation_limit || missed)) {
     cell_.replanHere();
     ++record.replans;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The diagnoser as a user asks it: a hidden effect is named by service, on the latched topic and in
-// the files; bad requests change nothing; a second call is refused while one runs.
+// the files; bad requests change nothing; a second call is refused while one runs, which can be
+// cancelled.
 #include <XmlRpcClient.h>
 #include <gtest/gtest.h>
 #include <raven_correction/Diagnose.h>
@@ -9,6 +10,7 @@
 #include <ros/network.h>
 #include <ros/package.h>
 #include <ros/ros.h>
+#include <std_srvs/Trigger.h>
 
 #include <algorithm>
 #include <atomic>
@@ -194,6 +196,71 @@ TEST_F(Diagnoser, NamesWhatIsHiddenAndRefusesWhatIsBad) {
   EXPECT_TRUE(waitFor([&] { return verdicts() == 2; }, kLimit));
   const std::lock_guard<std::mutex> lock(mutex_);
   EXPECT_EQ(verdicts_.back().file, "");
+}
+
+TEST_F(Diagnoser, ACancelledDiagnosisChangesNothing) {
+  SimulationConfig hidden = loadSimulationConfig(ros::package::getPath("raven_correction") +
+                                                 "/config/simulation/nominal.yaml");
+  hidden.set(effectWith("joint_offset", hidden.robot, {{"d[elbow]", kOffset}}));
+  fs::create_directories(directory() + "/data");
+  Dataset session = simulateSession(hidden, 12, 4);
+  session.name = "cancelled";
+  writeSessionBag(session, directory() + "/data/cancelled.bag");
+  const auto cancel = [&] {
+    std_srvs::Trigger call;
+    EXPECT_TRUE(ros::service::call(nh_.resolveName("diagnoser/cancel"), call));
+    return call.response;
+  };
+  const auto isRemoving = [&] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return !states_.empty() && states_.back().state == WorkProgress::RUNNING &&
+           states_.back().phase.find("removing") == 0;
+  };
+  EXPECT_FALSE(cancel().success);  // there is nothing to cancel
+
+  // Late: causes were found, and are dropped in turn.
+  Diagnose::Request request;
+  request.inputs = {"cancelled.bag"};
+  request.max_samples = 2000;
+  request.max_causes = 2;
+  request.output = "cancelled.yaml";
+  request.json = "cancelled.json";
+  auto answer = std::async(std::launch::async, [&] { return call(request); });
+  ASSERT_TRUE(waitFor(isRemoving, kLimit));
+  const std_srvs::Trigger::Response cancelled = cancel();
+  EXPECT_TRUE(cancelled.success) << cancelled.message;
+  ASSERT_EQ(answer.wait_for(std::chrono::duration<double>(kEndOfRound)), std::future_status::ready);
+  Diagnose::Response response = answer.get();
+  EXPECT_FALSE(response.success);
+  EXPECT_EQ(response.message, "cancelled; nothing was changed");
+  EXPECT_TRUE(response.causes.empty());
+  EXPECT_TRUE(response.files.empty());
+  EXPECT_TRUE(waitFor(
+      [&] {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        return states_.back().state == WorkProgress::FAILED &&
+               states_.back().message == response.message;
+      },
+      kLimit));
+  for (const char* const file : {"cancelled.yaml", "cancelled.json"})
+    EXPECT_FALSE(fs::exists(directory() + "/simulations/" + file)) << file;
+  EXPECT_FALSE(cancel().success);
+
+  // The next one is as if there had been none, and its verdict the first of this recording.
+  const auto verdictsOfIt = [&] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return std::count_if(verdicts_.begin(), verdicts_.end(), [](const DiagnosisVerdict& verdict) {
+      return verdict.recording == "cancelled";
+    });
+  };
+  EXPECT_EQ(verdictsOfIt(), 0);
+  request.max_samples = 400;
+  request.dry_run = true;
+  response = call(request);
+  ASSERT_TRUE(response.success) << response.message;
+  ASSERT_FALSE(response.causes.empty());
+  EXPECT_EQ(response.causes.front(), "joint_offset of elbow");
+  EXPECT_TRUE(waitFor([&] { return verdictsOfIt() == 1; }, kLimit));
 }
 
 /// The slave API of another node, as rosnode uses it.

@@ -172,8 +172,18 @@ TEST(DebridementTask, ClosesAcrossTheLongAxisAsFarAsTheLimitAllows) {
   const double straight = std::atan2(y.y(), y.x()) + M_PI_2;  // yaw that needs no turn
   for (const double turn : {-0.6, 0.0, 0.3, 0.69})
     EXPECT_NEAR(std::abs(across(straight + turn, 0.010)), M_PI_2, 1e-9) << turn;
-  EXPECT_NEAR(std::abs(across(straight + 1.4, 0.010)), M_PI_2 - 0.2, 1e-9);
-  EXPECT_NEAR(std::abs(across(straight - 1.4, 0.010)), M_PI_2 - 0.2, 1e-9);
+  EXPECT_NEAR(std::abs(across(straight + 0.9, 0.010)), M_PI_2 - 0.2, 1e-9);
+  EXPECT_NEAR(std::abs(across(straight - 0.9, 0.010)), M_PI_2 - 0.2, 1e-9);
+  // After a miss it comes turned otherwise.
+  const FragmentSighting fragment = sightingAt(0.01, 0.02);
+  const auto turnOf = [&](unsigned failed) {
+    const Eigen::AngleAxisd turn(task.graspPose(fragment, failed).q *
+                                 task.graspPose(fragment).q.conjugate());
+    return turn.angle() * turn.axis().z();
+  };
+  EXPECT_NEAR(turnOf(1), config().retry_turn, 1e-9);
+  EXPECT_NEAR(turnOf(2), -config().retry_turn, 1e-9);
+  EXPECT_NEAR(turnOf(3), 0.0, 1e-9);
   // Nearly round: there is nothing to turn to.
   EXPECT_NEAR(std::abs(across(straight + 0.3, 0.0062)), M_PI_2 - 0.3, 1e-9);
 }

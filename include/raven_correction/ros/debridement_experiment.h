@@ -16,7 +16,7 @@ namespace raven_correction {
 struct DebridementParams {
   unsigned fragments = 60;              ///< at least, in each condition, >= 1
   unsigned arms = 2;                    ///< 1 or 2
-  unsigned rehearsals = 80;             ///< places of which each arm learns, >= 5
+  unsigned rehearsals = 120;            ///< places of which each arm learns, >= 5
   unsigned attempts = 4;                ///< until a fragment is given up, >= 1
   std::uint32_t seed = 1;               ///< of scenes, rehearsals and noise
   double clock_rate = 3.0;              ///< simulated seconds per real second, at most, > 0

@@ -40,15 +40,17 @@ struct DebridementTaskConfig {
   Pose X_base_rest;   ///< over the receptacle: where fragments are let go
   /// Of the tool over the field; x points down, y is the direction in which the jaw closes.
   Eigen::Quaterniond orientation{0.5084, 0.4938, 0.4797, -0.5173};
-  double turn_limit = 1.2;       ///< the tool is turned about the vertical by no more [rad]
-  double round = 1.15;           ///< length / width below which a fragment has no direction [-]
-  double hover = 0.025;          ///< above the fragment, before and after [m]
-  double settle = 0.25;          ///< over and at the fragment, at rest [s]
-  double jaw_open = 1.4;         ///< [rad]
-  double jaw_closed = 0.0;       ///< [rad]
-  double jaw_time = 0.45;        ///< for the jaw to open or to close [s]
-  double waiting = 0.2;          ///< between two looks at what the other arm does [s]
-  double deviation_limit = 0.0;  ///< replan where more is predicted [m]; 0: never
+  double turn_limit = 0.7;   ///< the tool is turned about the vertical by no more [rad]
+  double round = 1.15;       ///< length / width below which a fragment has no direction [-]
+  double hover = 0.025;      ///< above the fragment, before and after [m]
+  double settle = 0.25;      ///< over and at the fragment, at rest [s]
+  double jaw_open = 1.5708;  ///< as wide as it goes [rad]
+  double jaw_closed = 0.0;   ///< [rad]
+  double jaw_time = 0.45;    ///< for the jaw to open or to close [s]
+  double waiting = 0.2;      ///< between two looks at what the other arm does [s]
+  double retry_turn =
+      0.3;  ///< the second attempt is turned by this, the third by its negative [rad]
+  double deviation_limit = 0.0;  ///< replan where more is predicted, and after a miss [m]; 0: never
 };
 
 /// What was done about one fragment, from its choice to its end.
@@ -73,8 +75,11 @@ class DebridementTask {
   /// @return in the order of the work
   std::vector<FragmentRecord> run();
   /// Where the tool goes for a fragment: to its centre, closing across its long axis, or, beyond
-  /// turn_limit, as near to that as the limit allows.
-  Pose graspPose(const FragmentSighting& fragment) const;
+  /// turn_limit, as near to that as the limit allows. A robot that errs in the same way again would
+  /// miss again, so further attempts are turned otherwise: by retry_turn, back, straight, and so
+  /// on.
+  /// @param failed  attempts so far
+  Pose graspPose(const FragmentSighting& fragment, unsigned failed = 0) const;
   double waited() const noexcept { return waited_; }  ///< for the other arm [s]
 
  private:
@@ -98,7 +103,7 @@ struct RehearsalConfig {
   unsigned fragments = 60;
   Eigen::Vector3d centre{0.0, 0.0, 0.012};
   Eigen::Vector3d half_size{0.065, 0.065, 0.030};
-  double turn = 1.4;
+  double turn = 1.1;
   double tilt = 0.1;
   double dwell = 0.3;  ///< at the end of each motion [s]
   std::uint64_t seed = 1;
