@@ -135,7 +135,7 @@ TEST(DebridementTask, OneFailureCostsOneRetry) {
   EXPECT_EQ(arm.released.size(), 1u);
 }
 
-TEST(DebridementTask, ReplansWhereALargeDeviationIsPredicted) {
+TEST(DebridementTask, ReplansWhereALargeDeviationIsPredictedAndAfterAMiss) {
   for (const bool sure : {true, false}) {
     FakeCell cell;
     cell.fragments = {sightingAt(0.0, 0.0)};
@@ -146,9 +146,10 @@ TEST(DebridementTask, ReplansWhereALargeDeviationIsPredicted) {
     FragmentBook book({}, {FieldPart{}});
     const std::vector<FragmentRecord> records = DebridementTask(limited, 0, cell, book).run();
     ASSERT_EQ(records.size(), 1u);
-    EXPECT_EQ(records[0].picked, !sure);
-    EXPECT_EQ(cell.replans, sure ? 0 : 1);
-    EXPECT_EQ(records[0].replans, sure ? 0u : 1u);
+    EXPECT_TRUE(records[0].picked);
+    EXPECT_EQ(records[0].attempts, sure ? 2u : 1u);
+    EXPECT_EQ(cell.replans, 1);
+    EXPECT_EQ(records[0].replans, 1u);
     EXPECT_DOUBLE_EQ(records[0].predicted, cell.predicted);
   }
 }
