@@ -20,6 +20,7 @@ constexpr double kMemory = 3.0;         // of commands and observations [s]
 constexpr double kSleep = 5e-4;         // between two looks at a clock that may run fast [s, real]
 constexpr double kStartTimeout = 10.0;  // for the first set-point and a listener [s, real]
 constexpr double kFirstMeasurement = 0.6;  // commands at rest before the first one [s]
+constexpr double kArrival = 0.3;           // of the tool behind its commands, at most [s]
 constexpr double kSettleAgain = 0.2;       // after a replanned pose was reached [s]
 
 void forgetBefore(double stamp, PoseStream& stream) {
@@ -179,6 +180,7 @@ double DebridementArm::predictedDeviation() {
 }
 
 void DebridementArm::replanHere() {
+  wait(kArrival + motion_.window);  // the tool comes to rest after what it was sent
   if (!measure(last_stamp_)) return;
   wait(motion_.replan.blend + kSettleAgain);
 }

@@ -41,10 +41,11 @@ namespace {
 
 constexpr char kCamera[] = "/field_camera";
 constexpr char kSimulator[] = "/raven/simulator";
-constexpr double kClockTimeout = 10.0;        // for the first message on /clock [s, real]
-constexpr double kOnItsWay = 0.2;             // of a message, long [s, real]
-constexpr double kPlatform = -0.170;          // height of its surface in the base frame [m]
-constexpr unsigned kMotionsPerTwoPlaces = 7;  // of a rehearsal
+constexpr double kClockTimeout = 10.0;  // for the first message on /clock [s, real]
+constexpr double kOnItsWay = 0.2;       // of a message, long [s, real]
+constexpr double kPlatform = -0.170;    // height of its surface in the base frame [m]
+constexpr double kOnce = 1e9;           // interval of measurements, of which the first counts [s]
+constexpr unsigned kMotionsPerTwoPlaces = 7;                 // of a rehearsal
 constexpr std::uint64_t kScenes = 1000, kRehearsals = 5000;  // seeds
 
 struct ArmPlace {
@@ -265,8 +266,12 @@ class Experiment {
       return (0.3 * (arm + share)) / params_.arms;  // of the whole, roughly
     };
     setMode(arm, "off");
+    // Measured once, the deviation at home is undone all the while: else the tool would learn of
+    // places as far from the field as it errs.
     ArmMotion motion;
+    motion.replan_interval = kOnce;
     arms_[arm]->use(motion);
+    arms_[arm]->measureAtRest();
     StartRecording::Request start;
     start.bag = "rehearsal.bag";
     call<StartRecording>(ns + "/recorder/start", start);
