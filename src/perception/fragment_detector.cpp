@@ -35,6 +35,7 @@ constexpr double kFlatShare = 0.55;  // height of the centre per median height o
 constexpr double kSurfaceNoise = 0.0002;  // of the height of a surface [m]
 constexpr double kLeaning = 0.37;  // of the mean thickness: from the centre of what leans to its
                                    // surface
+constexpr double kMark = 3.5e-4;   // so high a mark may seem; foam of 3 mm seems 0.5 mm or more [m]
 constexpr int kSurround = 11;      // twice what is looked at around a region [px]
 constexpr double kGate = 3.5;      // deviations
 constexpr double kHeightAgreement = 0.004;  // of the centre from half of the top's height [m]
@@ -140,7 +141,8 @@ PlaneMoments momentsOf(const std::vector<Eigen::Vector2d>& polygon, double noise
   return result;
 }
 
-/// Regions whose outline lies on the platform are marks on it, e.g. blood: no foam.
+/// Regions whose outline lies on the platform are marks on it, e.g. blood: no foam. One height for
+/// foam and what surrounds it lies between the platform and the foam.
 void removeFlatMarks(const cv::Mat& left_redness, const cv::Mat& right_redness,
                      const PlaneSweep& sweep, const FragmentDetectorConfig& config, cv::Mat& mask) {
   cv::Mat regions;
@@ -152,7 +154,7 @@ void removeFlatMarks(const cv::Mat& left_redness, const cv::Mat& right_redness,
     cv::dilate(region, with_surroundings, disc);
     const double height =
         regionHeight(left_redness, right_redness, with_surroundings, sweep, config.height_max);
-    if (height < config.height_min) mask.setTo(0, region);
+    if (height < std::min(kMark, config.height_min)) mask.setTo(0, region);
   }
 }
 
