@@ -189,8 +189,11 @@ TEST(Recording, SparseEncodersOutliveThinning) {
   for (Trajectory& trajectory : dataset.trajectories) {
     JointStream rare;
     rare.names = nominal().robot.jointNames();
-    for (std::size_t i = 0; i < trajectory.commands.size(); i += 20)
-      rare.samples.push_back({trajectory.commands[i].stamp, nominal().robot.home()});
+    for (std::size_t i = 0; i < trajectory.commands.size(); i += 20) {
+      JointVector joints = nominal().robot.home();
+      joints(0) += 1e-4 * static_cast<double>(i);  // the same again would count as repeated
+      rare.samples.push_back({trajectory.commands[i].stamp, joints});
+    }
     encoders += rare.samples.size();
     trajectory.joint_observations = rare;
     total += rare.samples.size() + trajectory.observations.size();
@@ -203,8 +206,8 @@ TEST(Recording, SparseEncodersOutliveThinning) {
   for (const Recording::Motion& motion : recording.motions)
     for (const Recording::Observation& observation : motion.observations)
       kept += observation.kind == Recording::Observation::Kind::kEncoders;
-  EXPECT_NEAR(static_cast<double>(kept), 0.5 * static_cast<double>(recording.motions.size()),
-              0.25 * static_cast<double>(recording.motions.size()));
+  EXPECT_GE(kept, recording.motions.size() / 2);  // as many as were asked for
+  EXPECT_LE(kept, recording.motions.size());
   const ResidualLayout layout = residualLayout(recording);
   EXPECT_EQ(layout.channels.size(), 2u + nominal().robot.jointNames().size());
   EXPECT_EQ(noiseFloor(recording, nominal()).size(),
