@@ -18,8 +18,8 @@ constexpr double kBadShare = 0.05;     // of samples that are no poses: a warnin
 constexpr double kMostly = 0.5;        // of samples: an error [-]
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadiansPerDegree = kPi / 180.0;
-constexpr double kTurns = 4.0 * kPi;     // no joint of an arm turns further [rad]
-constexpr double kSameInstant = 0.02;    // between joints and encoders [s]
+constexpr double kTurns = 4.0 * kPi;   // no joint of an arm turns further [rad]
+constexpr double kSameInstant = 0.02;  // between joints and encoders [s]
 
 double share(std::size_t part, std::size_t all) {
   return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
@@ -340,9 +340,9 @@ void StreamCheck::checkArm(std::vector<StreamFinding>& findings) const {
   const ArmKinematics& own = options_.arms.front();
   const Error error = errorOf(own, 1.0);
   if (fits(error) || !std::isfinite(error.position)) return;
-  const std::string measured =
-      format("joints of %s put the tool %.1f mm and %.1f deg from %s", own.name.c_str(),
-             1e3 * error.position, error.angle / kRadiansPerDegree, name(StreamRole::kEncoders).c_str());
+  const std::string measured = format(
+      "joints of %s put the tool %.1f mm and %.1f deg from %s", own.name.c_str(),
+      1e3 * error.position, error.angle / kRadiansPerDegree, name(StreamRole::kEncoders).c_str());
   const std::string limit =
       format("at most %g mm and %.1f deg", 1e3 * options_.max_kinematics_error,
              options_.max_kinematics_angle / kRadiansPerDegree);

@@ -13,7 +13,7 @@ constexpr char kBerkeleyState[] = "2489ec3d939b556c05d31ea2958841b2";  // raven_
 constexpr char kUwState[] = "ce9e7f4969049d8bb365de3c98461a01";        // raven_2/raven_state
 
 constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
-constexpr double kMicrometre = 1e-6;                        // [m]
+constexpr double kMicrometre = 1e-6;   // [m]
 constexpr double kNoRotation = 1e-2;   // of R^T R from the identity; float32 is good to 1e-6 [-]
 constexpr std::size_t kUwJoints = 16;  // of both arms
 constexpr std::uint16_t kFinger1 = 6, kFinger2 = 7, kYaw = 8;
