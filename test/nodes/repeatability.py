@@ -20,8 +20,8 @@ import rosunit
 ROOT = Path(__file__).resolve().parents[2]
 OFFLINE = Path(os.environ.get("RAVEN_BUILD", ROOT / "build")) / "devel/lib/raven_correction/offline"
 LIMIT = 60.0  # for what takes a few seconds on an idle machine [s]
-POSES, VISITS, MOTIONS = 3, 2, 20
-QUICK = "process: {criterion: likelihood, length_scales: common, max_hyper_points: 150, max_exact_points: 500}\n"
+POSES, VISITS, MOTIONS = 3, 2, 40
+QUICK = "process: {criterion: likelihood, length_scales: per_feature, max_hyper_points: 300, max_exact_points: 1000}\n"
 
 
 def until(condition, limit=LIMIT):
