@@ -244,15 +244,19 @@ void Recorder::watchClock(const ros::Time& now) {
   const double back = (last_time_ - now).toSec();
   last_time_ = now;
   if (!ros::Time::isSimTime() || back < kClockTolerance) return;
-  synchroniser_.clear();
-  watch_->clear();
+  forgetSamples();
   trajectories_.clear();
-  delay_.clear();
   clock_message_ = format(
       "the clock jumped back by %.3f s: samples that waited for their partner "
       "were forgotten",
       back);
   ROS_WARN("recorder: %s", clock_message_.c_str());
+}
+
+void Recorder::forgetSamples() {
+  synchroniser_.clear();
+  watch_->clear();
+  delay_.clear();
 }
 
 void Recorder::warnUnregistered(const std::string& topic, const std::string& frame) {
@@ -315,9 +319,7 @@ std::string Recorder::start(const std::string& name) {
     stream.received = 0;
     stream.order = {};
   }
-  watch_->clear();
-  synchroniser_.clear();  // whatever the stamps were before: a recording begins anew
-  delay_.clear();
+  forgetSamples();  // whatever their stamps were: a recording begins anew
   const ros::Time now = ros::Time::now();
   recordParameters(now);
   recordHoming(now);

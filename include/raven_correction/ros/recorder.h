@@ -121,6 +121,7 @@ class Recorder {
   geometry_msgs::PoseStampedConstPtr withBaseFrame(const geometry_msgs::PoseStampedConstPtr& m);
   void publishPairs(const std::vector<LivePair>& pairs);
   void watchClock(const ros::Time& now);
+  void forgetSamples();
   /// Hands a pose on to the checks; @return its registration
   std::optional<Pose> check(StreamRole role, const ros::Time& arrival,
                             const geometry_msgs::PoseStamped& message);
