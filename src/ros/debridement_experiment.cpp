@@ -33,6 +33,7 @@
 #include "raven_correction/robot/inverse_kinematics.h"
 #include "raven_correction/ros/debridement_arm.h"
 #include "raven_correction/ros/field_eye.h"
+#include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/private_launch.h"
 
@@ -303,6 +304,7 @@ class Experiment {
     const Retrain::Response learnt = call<Retrain>(ns + "/trainer/retrain", request);
     if (!learnt.live)
       throw std::runtime_error("the trained model did not go live: " + learnt.message);
+    waitForModel(ns + "/corrector", learnt.model, launch_);
     DebridementLearning learning;
     learning.arm = ns.substr(7);
     learning.model = learnt.model;

@@ -1,14 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/live_experiment.h"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ros/ros.h>
+
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
+#include <stdexcept>
 
 #include "raven_correction/error.h"
 
 namespace raven_correction {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kModelTimeout = 20.0;  // [s, real]
+
+}  // namespace
 
 std::string experimentFolder(const std::string& experiment, const std::string& output) {
   if (output.empty()) {
@@ -22,6 +33,28 @@ std::string experimentFolder(const std::string& experiment, const std::string& o
     throw InvalidInput(
         format("%s: is not empty; nothing was written, choose another folder", output.c_str()));
   return output;
+}
+
+void waitForModel(const std::string& corrector, const std::string& model, PrivateLaunch& launch) {
+  std::atomic<bool> in_use{false};
+  const std::string node = corrector.substr(corrector.find_first_not_of('/'));
+  ros::NodeHandle nh;
+  const ros::Subscriber subscriber = nh.subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 100, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
+        for (const diagnostic_msgs::DiagnosticStatus& status : message->status)
+          for (const diagnostic_msgs::KeyValue& value : status.values)
+            if (status.name.find(node) != std::string::npos && value.key == "model" &&
+                value.value == model)
+              in_use = true;
+      });
+  const ros::SteadyTime deadline = ros::SteadyTime::now() + ros::WallDuration(kModelTimeout);
+  while (!in_use) {
+    launch.requireAlive();
+    if (ros::SteadyTime::now() > deadline)
+      throw std::runtime_error(
+          format("%s did not take model %s into use", corrector.c_str(), model.c_str()));
+    ros::WallDuration(0.05).sleep();
+  }
 }
 
 }  // namespace raven_correction

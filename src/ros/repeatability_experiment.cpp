@@ -19,6 +19,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/robot/chain_file.h"
 #include "raven_correction/ros/conversions.h"
+#include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/planner_node.h"
 #include "raven_correction/ros/private_launch.h"
 #include "raven_correction/ros/session_visits.h"
@@ -31,7 +32,6 @@ constexpr char kArm[] = "raven/left";
 constexpr double kRest = 0.3;  // before the end of a visit, in which the tool is at rest [s]
 constexpr double kClockTimeout = 10.0;  // for the first message on /clock [s, real]
 // Motions, orders and noise are drawn independently of one another.
-constexpr double kModelTimeout = 20.0;  // from trainer to corrector, and said so [s, real]
 constexpr std::uint32_t kPosesSeed = 1000, kTrainingSeed = 2000, kOrderSeed = 3000;
 
 /// What the nodes say while they work.
@@ -68,11 +68,6 @@ class Ear {
     const std::lock_guard<std::mutex> lock(mutex_);
     return codes_;
   }
-  /// Whether the corrector has said that it uses this model.
-  bool isInUse(const std::string& model) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return in_use_ == model;
-  }
   std::uint64_t cycles() {
     const std::lock_guard<std::mutex> lock(mutex_);
     return cycles_;
@@ -89,14 +84,18 @@ class Ear {
     if (progress_ && !phase_.empty()) progress_(phase_, from_ + message.fraction * (to_ - from_));
   }
   void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    for (const diagnostic_msgs::DiagnosticStatus& status : message.status)
+    const std::string ending = "simulator: controller";
+    for (const diagnostic_msgs::DiagnosticStatus& status : message.status) {
+      if (status.name.size() < ending.size() ||
+          status.name.compare(status.name.size() - ending.size(), ending.size(), ending) != 0)
+        continue;
+      const std::lock_guard<std::mutex> lock(mutex_);
       for (const diagnostic_msgs::KeyValue& value : status.values) {
-        if (value.key == "model") in_use_ = value.value;  // of the corrector alone
         if (value.key == "cycles") cycles_ = std::strtoull(value.value.c_str(), nullptr, 10);
         if (value.key == "late cycles")
           late_cycles_ = std::strtoull(value.value.c_str(), nullptr, 10);
       }
+    }
   }
 
   const Progress& progress_;
@@ -104,7 +103,6 @@ class Ear {
   std::string phase_;
   double from_ = 0.0, to_ = 0.0;
   std::map<std::string, std::uint64_t> codes_;
-  std::string in_use_;  // model of the corrector
   std::uint64_t cycles_ = 0, late_cycles_ = 0;
   // Last: callbacks use all of the above.
   std::vector<ros::Subscriber> subscribers_;
@@ -233,14 +231,7 @@ class Experiment {
     const Retrain::Response learnt = call<Retrain>("trainer/retrain", request);
     if (!learnt.live)
       throw std::runtime_error("the trained model did not go live: " + learnt.message);
-    // It is on its way to the corrector, which would pass the first visits on as they are.
-    const ros::SteadyTime deadline = ros::SteadyTime::now() + ros::WallDuration(kModelTimeout);
-    while (!ear_.isInUse(learnt.model)) {
-      launch_.requireAlive();
-      if (ros::SteadyTime::now() > deadline)
-        throw std::runtime_error("the corrector did not take model " + learnt.model + " into use");
-      ros::WallDuration(0.05).sleep();
-    }
+    waitForModel(nh_.resolveName("corrector"), learnt.model, launch_);
     report.model = learnt.model;
     report.training_pairs = learnt.pairs_kept;
   }
@@ -293,8 +284,8 @@ RepeatabilityReport runRepeatability(const RepeatabilityParams& params, const Pr
   if (!params.configuration.empty())
     arguments.push_back("trainer_configuration:=" +
                         std::filesystem::absolute(params.configuration).string());
-  if (progress) progress("starting the nodes", 0.0);
   if (!params.play) arguments.emplace_back("play_robot:=");
+  if (progress) progress("starting the nodes", 0.0);
   PrivateLaunch launch(arguments, folder, "repeatability");
   // Standard output is for the table.
   if (ros::console::set_logger_level(ROSCONSOLE_DEFAULT_NAME, ros::console::levels::Warn))

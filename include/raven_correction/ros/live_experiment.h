@@ -5,6 +5,8 @@
 #include <CLI/App.hpp>
 #include <string>
 
+#include "raven_correction/ros/private_launch.h"
+
 namespace raven_correction {
 
 /// Adds its subcommand to the command `experiment`, as those of offline.h.
@@ -14,5 +16,11 @@ void addDebridementExperiment(CLI::App& experiment);
 /// caller removes, so that it stays, with the nodes' log, when the experiment fails.
 /// @throws InvalidInput  `output` is not empty, or the folder cannot be made
 std::string experimentFolder(const std::string& experiment, const std::string& output);
+
+/// Returns when the corrector says in /diagnostics that it uses this model. A model that is live at
+/// the trainer is still on its way, and the corrector passes on what comes before it as it is.
+/// @param corrector  resolved name of the node
+/// @throws std::runtime_error  it does not say so within 20 s (real), or the nodes have ended
+void waitForModel(const std::string& corrector, const std::string& model, PrivateLaunch& launch);
 
 }  // namespace raven_correction
