@@ -81,7 +81,8 @@ class Selector {
   };
   /// The best that earns its place; of those that explain the held-out motions as well as that one
   /// the one with the fewest parameters. Null if none does. Simulates held-out motions of as many
-  /// finalists as it takes to know: none gains more of them than of motions that it is fitted to.
+  /// finalists as it takes to know, where none is taken to gain more of them than of motions that
+  /// it is fitted to.
   const Finalist* choose(std::vector<Finalist>& finalists, Member& member) const;
   Choice chooseAmong(const std::vector<Finalist>& finalists, std::size_t count) const;
   /// Hypotheses that are not in the fit; of these the promising ones only, unless `all`.

@@ -37,8 +37,7 @@ class JointCoupling final : public Effect {
              JointVector& q) const noexcept override {
     const JointVector away = q - context.home;
     int index = 0;
-    for (int i = 0; i < size_;
-         ++i) {  // without a branch: this is where a diagnosis spends its time
+    for (int i = 0; i < size_; ++i) {  // no branch: a diagnosis spends much of its time here
       double moved = 0.0;
       for (int j = 0; j < i; ++j) moved += value(index++) * away(j);
       for (int j = i + 1; j < size_; ++j) moved += value(index++) * away(j);

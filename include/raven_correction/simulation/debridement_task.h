@@ -40,16 +40,15 @@ struct DebridementTaskConfig {
   Pose X_base_rest;   ///< over the receptacle: where fragments are let go
   /// Of the tool over the field; x points down, y is the direction in which the jaw closes.
   Eigen::Quaterniond orientation{0.5084, 0.4938, 0.4797, -0.5173};
-  double turn_limit = 0.7;   ///< the tool is turned about the vertical by no more [rad]
-  double round = 1.15;       ///< length / width below which a fragment has no direction [-]
-  double hover = 0.025;      ///< above the fragment, before and after [m]
-  double settle = 0.25;      ///< over and at the fragment, at rest [s]
-  double jaw_open = 1.5708;  ///< as wide as it goes [rad]
-  double jaw_closed = 0.0;   ///< [rad]
-  double jaw_time = 0.45;    ///< for the jaw to open or to close [s]
-  double waiting = 0.2;      ///< between two looks at what the other arm does [s]
-  double retry_turn =
-      0.3;  ///< the second attempt is turned by this, the third by its negative [rad]
+  double turn_limit = 0.7;       ///< the tool is turned about the vertical by no more [rad]
+  double round = 1.15;           ///< length / width below which a fragment has no direction [-]
+  double hover = 0.025;          ///< above the fragment, before and after [m]
+  double settle = 0.25;          ///< over and at the fragment, at rest [s]
+  double jaw_open = 1.5708;      ///< as wide as it goes [rad]
+  double jaw_closed = 0.0;       ///< [rad]
+  double jaw_time = 0.45;        ///< for the jaw to open or to close [s]
+  double waiting = 0.2;          ///< between two looks at what the other arm does [s]
+  double retry_turn = 0.3;       ///< further attempts are turned by it, to and fro [rad]
   double deviation_limit = 0.0;  ///< replan where more is predicted, and after a miss [m]; 0: never
 };
 
