@@ -48,6 +48,7 @@ class Neighbour {
       jaw_.insert(jaw_.end(), motion.jaw.begin(), motion.jaw.end());
     }
     arm_.reset(kStart, plan.start);
+    arm_.startSession(kStart + kSettle);
   }
   /// @param time  never decreasing [s]
   Obstacle instrumentAt(double time) {
@@ -155,6 +156,7 @@ Dataset recordPlan(const SimulationConfig& config, const Plan& plan,
   Recorder recorder(config, seed + 1, std::move(neighbours));
   recorder.startAt(kStart);
   recorder.arm().reset(kStart, plan.start);
+  recorder.arm().startSession(kStart + kSettle);
   Dataset dataset = describe(config, "simulated debridement session", seed);
   for (std::size_t i = 0; i < plan.motions.size(); ++i) {
     Trajectory trajectory;
@@ -200,7 +202,10 @@ Dataset simulateExcitation(const SimulationConfig& config, const ExcitationConfi
   int number = 0;
   for (ExcitationTrajectory& planned :
        excitationMotions(excitation, config.debridement, config.robot, start, seed)) {
-    if (number == 0) recorder.arm().reset(kStart, planned.commands.front().pose);
+    if (number == 0) {
+      recorder.arm().reset(kStart, planned.commands.front().pose);
+      recorder.arm().startSession(start);
+    }
     Trajectory trajectory;
     trajectory.id = format("t%03d_%s", number++, planned.label.c_str());
     trajectory.commands = std::move(planned.commands);
@@ -234,6 +239,7 @@ Dataset simulateCommands(const SimulationConfig& config, const Dataset& measured
       if (!reproducesPose(status))
         throw InvalidInput("trajectory " + source.id + ": its first pose is " + toString(status) +
                            " for " + config.robot.name());
+      recorder.arm().startSession(begin);
       recorder.startAt(begin - kSettle);
       first = false;
     } else if ((start->pose.p - last.p).norm() > kSamePlace) {

@@ -155,7 +155,7 @@ void SimulatedArm::runStages(const StepContext& context, bool at_reset, JointVec
 
 StepContext SimulatedArm::contextOf(double end, double step,
                                     const JointVector& load) const noexcept {
-  return {end - state_.start, step, config_.robot.home(), load,
+  return {std::max(0.0, end - state_.start), step, config_.robot.home(), load,
           motor_travel_.size() > 0 ? &motor_travel_ : nullptr};
 }
 

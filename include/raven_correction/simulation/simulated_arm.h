@@ -4,6 +4,7 @@
 // sessions of many trajectories are session.h.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -59,6 +60,10 @@ class SimulatedArm {
   /// @return status of the inverse kinematics; nothing changes unless the pose was reproduced
   IkStatus reset(double start, const Pose& X_base_tool);
 
+  /// What changes over the session (creep, a shift of the registration) counts from here, not from
+  /// reset(): an arm may rest before anybody records. Until then it is as at the start.
+  void startSession(double time) noexcept { state_.start = time; }
+
   /// Takes a command. It acts at its stamp plus the delay, and not before time(). A joint that the
   /// pose would bring outside its limits stops at the limit, as the robot's controller does it.
   /// A pose that cannot be reached, a stamp that runs backwards or is not finite: nothing changes.
@@ -82,7 +87,7 @@ class SimulatedArm {
   /// The same where the links are at `joints`, so long after the start of the session [s], whatever
   /// the arm does now.
   Pose toolPoseAt(double since_start, const JointVector& joints) const noexcept;
-  double sinceStart() const noexcept { return state_.time - state_.start; }  ///< [s]
+  double sinceStart() const noexcept { return std::max(0.0, state_.time - state_.start); }  ///< [s]
   /// Nominal forward kinematics of the encoders (measured_cp).
   Pose measuredPose() const noexcept { return config_.robot.forward(encoderJoints()); }
   /// Nominal forward kinematics of the present set-point (setpoint_cp).
