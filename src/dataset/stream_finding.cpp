@@ -24,9 +24,10 @@ bool anyError(const std::vector<StreamFinding>& findings) noexcept {
   });
 }
 
-void refuseErrors(const std::vector<StreamFinding>& findings, const std::string& exception) {
+void refuseErrors(const std::string& source, const std::vector<StreamFinding>& findings,
+                  const std::string& exception) {
   if (!anyError(findings)) return;
-  std::string text = "the recording is not to be trusted:";
+  std::string text = source + ": the recording is not to be trusted:";
   for (const StreamFinding& finding : findings) text += "\n  " + toText(finding);
   throw InvalidInput(text + "\nto use it in spite of this: " + exception);
 }

@@ -51,7 +51,7 @@ CheckedInputs readTrusted(const std::vector<std::string>& inputs,
   std::vector<ArmKinematics> arms;
   if (!robots.empty()) arms = loadArms(robots.front(), {robots.begin() + 1, robots.end()}, "");
   CheckedInputs checked = readCheckedInputs(inputs, arms);
-  if (!ignore) refuseErrors(checked.findings, "--ignore-checks");
+  if (!ignore) refuseErrors(checked.dataset.source, checked.findings, "--ignore-checks");
   for (const StreamFinding& finding : checked.findings)
     std::fprintf(stderr, "%s\n", toText(finding).c_str());
   return checked;

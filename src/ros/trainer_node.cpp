@@ -195,7 +195,9 @@ CheckedInputs TrainerNode::readChecked(const std::vector<std::string>& names, bo
     response.findings.push_back(toText(finding));
     ROS_WARN("trainer: %s", response.findings.back().c_str());
   }
-  if (!ignore_checks) refuseErrors(inputs.findings, "ignore_checks: true in the call of ~retrain");
+  if (!ignore_checks)
+    refuseErrors(inputs.dataset.source, inputs.findings,
+                 "ignore_checks: true in the call of ~retrain");
   return inputs;
 }
 

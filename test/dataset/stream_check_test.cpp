@@ -316,12 +316,13 @@ TEST(StreamCheckLive, JointsInDegreesAreCaughtWithoutARobot) {
 TEST(StreamFindings, ErrorsAreRefusedWithAllFindingsAndTheException) {
   const StreamFinding warning{Severity::kWarning, "a", "rate", "1 Hz", "at least 5 Hz", "faster"};
   const StreamFinding error{Severity::kError, "b", "units", "153 m", "at most 2 m", "metres"};
-  EXPECT_NO_THROW(refuseErrors({warning}, "--force"));
+  EXPECT_NO_THROW(refuseErrors("s.bag", {warning}, "--force"));
   try {
-    refuseErrors({warning, error}, "--force");
+    refuseErrors("s.bag", {warning, error}, "--force");
     FAIL() << "not refused";
   } catch (const InvalidInput& refused) {
     const std::string text = refused.what();
+    EXPECT_EQ(text.find("s.bag: "), 0u) << text;
     EXPECT_NE(text.find("warning: a: rate: 1 Hz (at least 5 Hz); faster"), std::string::npos);
     EXPECT_NE(text.find("error: b: units: 153 m (at most 2 m); metres"), std::string::npos);
     EXPECT_NE(text.find("--force"), std::string::npos);

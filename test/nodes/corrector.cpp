@@ -108,7 +108,8 @@ TEST_F(NodesTest, TheWholeJob) {
   retrain.request.bags = {"millimetres.bag"};
   retrain = call("trainer/retrain", retrain);
   EXPECT_FALSE(retrain.response.success);
-  EXPECT_NE(retrain.response.message.find("not to be trusted"), std::string::npos)
+  EXPECT_NE(retrain.response.message.find("millimetres.bag: the recording is not to be trusted"),
+            std::string::npos)
       << retrain.response.message;
   ASSERT_EQ(retrain.response.findings.size(), 1u);
   EXPECT_NE(retrain.response.findings[0].find("millimetres"), std::string::npos);

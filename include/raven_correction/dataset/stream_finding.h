@@ -26,8 +26,12 @@ struct StreamFinding {
 /// "error: servo_cp: units: MEASURED (LIMIT); REMEDY".
 std::string toText(const StreamFinding& finding);
 bool anyError(const std::vector<StreamFinding>& findings) noexcept;
+/// @param source     where the streams are from: bags, directories
 /// @param exception  how to go on in spite of an error
-/// @throws InvalidInput  there is an error among them; the text has all of them, and the exception
-void refuseErrors(const std::vector<StreamFinding>& findings, const std::string& exception);
+/// @throws InvalidInput  there is an error among them; the text has the source, all of them, and
+/// the
+///         exception
+void refuseErrors(const std::string& source, const std::vector<StreamFinding>& findings,
+                  const std::string& exception);
 
 }  // namespace raven_correction
