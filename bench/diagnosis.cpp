@@ -48,7 +48,7 @@ class Bench {
   }
 
   void singles() {
-    int named = 0, sized = 0, known = 0, gained = 0, first = 0;
+    int named = 0, sized = 0, itself = 0, sized_itself = 0, gained = 0, first = 0;
     const auto& effects = plant::hiddenEffects();
     for (int i = 0; i < arguments_.single; ++i) {
       const plant::HiddenEffect hidden =
@@ -60,8 +60,9 @@ class Bench {
           compareGains(verdict, session.dataset, nominal_, session.truth, diagnosis_.recording);
       named += judgement.named;
       first += judgement.first;
-      known += judgement.size_known;
+      itself += judgement.itself;
       sized += judgement.size_right;
+      sized_itself += judgement.itself && judgement.size_right;
       const bool enough = gain.verdict >= 0.9 * gain.truth;
       gained += enough;
       auto& row = matrix_[hidden.effect];
@@ -69,7 +70,7 @@ class Bench {
       countExtras(verdict, session.truth);
       std::printf("%-9s %-60s -> %s%s%s\n", judgement.named ? "named" : "MISSED",
                   plant::describe(session.truth.front()).c_str(), allNames(verdict).c_str(),
-                  judgement.size_known && !judgement.size_right ? "  SIZE" : "",
+                  judgement.named && !judgement.size_right ? "  SIZE" : "",
                   enough ? "" : format("  GAIN %.2f of %.2f", gain.verdict, gain.truth).c_str());
       std::fflush(stdout);
       sessions_.push_back({{"truth", plant::describe(session.truth.front())},
@@ -85,9 +86,12 @@ class Bench {
     }
     if (arguments_.single == 0) return;
     std::printf(
-        "\nsingle effects: named %d of %d (as the first cause itself %d), size right %d of %d "
-        "named themselves, gain at least 90 %% of the truth's in %d\n",
-        named, arguments_.single, first, sized, known, gained);
+        "\nsingle effects: named %d of %d (as the first cause itself %d), size right in %d (%d of "
+        "the "
+        "%d named themselves, %d of the %d named as equals), gain at least 90 %% of the truth's in "
+        "%d\n",
+        named, arguments_.single, first, sized, sized_itself, itself, sized - sized_itself,
+        named - itself, gained);
     std::printf("%-22s %6s %6s %8s\n", "effect", "named", "other", "nothing");
     for (auto& [effect, row] : matrix_)
       std::printf("%-22s %6d %6d %8d\n", effect.c_str(), row["named"], row["other"],
@@ -99,7 +103,8 @@ class Bench {
                           {"largest_other_share", largest_extra_},
                           {"named", named},
                           {"first", first},
-                          {"compared", known},
+                          {"themselves", itself},
+                          {"size_right_themselves", sized_itself},
                           {"size_right", sized},
                           {"gain_right", gained}};
   }

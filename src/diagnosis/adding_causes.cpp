@@ -15,15 +15,21 @@ constexpr int kFinalistIterations = 5;
 constexpr double kFinalistTolerance = 1e-4;
 constexpr int kRoundsOfAll = 4;         // every so many rounds all hypotheses are screened
 constexpr std::size_t kPromising = 40;  // and so many of them in the rounds between
-constexpr double kTie = 2.0;            // z below which two explanations cannot be told apart
-constexpr double kTieShare = 0.9;  // and the lesser one explains at least this part of the better
 constexpr std::size_t kMostEquals = 3;
 constexpr std::size_t kAtOnce = 2;  // finalists whose held-out motions are simulated together
 
+/// A finalist as a candidate that begins where its fit ended, its own parameters from `first` on.
+Candidate fitted(const Finalist& finalist, Eigen::Index first) {
+  Candidate candidate = finalist.candidate;
+  candidate.others = finalist.fit.values.head(first);
+  const Eigen::Index free = finalist.fit.values.size() - first;
+  candidate.start.head(free) = finalist.fit.values.tail(free);
+  return candidate;
+}
+
 }  // namespace
 
-EffectFitProblem Selector::with(const Candidate& candidate) const {
-  EffectFitProblem problem = problem_;
+EffectFitProblem Selector::with(EffectFitProblem problem, const Candidate& candidate) {
   const Hypothesis& hypothesis = candidate.hypothesis;
   const auto free =
       static_cast<Eigen::Index>(hypothesis.parameters.size() - hypothesis.fixed_shapes);
@@ -48,7 +54,7 @@ std::vector<Finalist> Selector::fitFinalists(std::vector<Candidate> candidates) 
     const auto i = static_cast<std::size_t>(index);
     Finalist& finalist = finalists[i];
     finalist.candidate = candidates[i];
-    finalist.problem = with(candidates[i]);
+    finalist.problem = with(problem_, candidates[i]);
     finalist.problem.scales = scales;
     finalist.problem.max_iterations = kFinalistIterations;
     finalist.problem.tolerance = kFinalistTolerance;
@@ -59,12 +65,7 @@ std::vector<Finalist> Selector::fitFinalists(std::vector<Candidate> candidates) 
     finalist.most = rule_.compare(held_out_, finalist.fit.residual).share;
   });
   const auto ends_at_bound = [&](const Finalist& finalist) {
-    const Hypothesis& hypothesis = finalist.candidate.hypothesis;
-    for (std::size_t k = 0; k < hypothesis.amplitudes(); ++k)
-      if (isAtBound(hypothesis.parameters[k],
-                    finalist.fit.values(fit_.values.size() + static_cast<Eigen::Index>(k))))
-        return true;
-    return false;
+    return endsAtBound(finalist.candidate.hypothesis, finalist.fit, fit_.values.size());
   };
   finalists.erase(std::remove_if(finalists.begin(), finalists.end(), ends_at_bound),
                   finalists.end());
@@ -93,7 +94,7 @@ const Finalist* Selector::choose(std::vector<Finalist>& finalists, Member& membe
     member.hypothesis = choice.simplest->candidate.hypothesis;
     for (const Finalist* equal : choice.equal)
       if (equal != choice.simplest && member.equals.size() < kMostEquals)
-        member.equals.push_back(equal->candidate.hypothesis);
+        member.equals.push_back(fitted(*equal, fit_.values.size()));
     if (choice.next) {
       member.has_runner_up = true;
       member.runner_up = choice.next->candidate.hypothesis;
@@ -201,12 +202,8 @@ bool Selector::add(int round) {
   if (!choice) return false;
   const Finalist& chosen = *choice;
   member.first = static_cast<Eigen::Index>(problem_.parameters.size());
-  Candidate from = chosen.candidate;
-  from.others = chosen.fit.values.head(member.first);
-  const auto free = chosen.fit.values.size() - member.first;
-  from.start.head(free) = chosen.fit.values.tail(free);
-  problem_ = with(from);
-  member.count = free;
+  problem_ = with(problem_, fitted(chosen, member.first));
+  member.count = chosen.fit.values.size() - member.first;
   addMembers(std::move(member));
   refit();
   releaseAtBounds();

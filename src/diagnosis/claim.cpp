@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLeastSpread = 2.5;  // z over motions that a claim over typical motions needs, too
 constexpr double kFewMotions = 1.6;   // z over motions of a cause that shows in few: about 3
-constexpr double kLeastEvidence = 25.0;      // log likelihood ratio for it, in independent samples
+constexpr double kLeastEvidence = 25.0;      // log likelihood ratio for it
 constexpr double kCorrelatedSamples = 20.0;  // so many of motion capture count as one
 constexpr double kQuiet = 1.5;               // residual over noise floor of a quiet recording [-]
 constexpr int kSimulatedNumbers = 4000000;   // of the null distribution of z_typical, about
@@ -115,16 +115,18 @@ LossComparison ClaimRule::compareWithInterval(const Eigen::VectorXd& without,
                        seed_);
 }
 
+double ClaimRule::logLikelihood(const Eigen::VectorXd& residual,
+                                const Eigen::VectorXd& scales_of) const {
+  const Eigen::ArrayXd loss = motionLosses(layout_, residual, channelScales(layout_, scales_of));
+  return -loss.isFinite().select(loss * samples_.array(), 0.0).sum() / kCorrelatedSamples;
+}
+
 bool ClaimRule::earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
   const LossComparison comparison = compare(without, with);
   if (comparison.share < least_share_) return false;
   if (comparison.z_mean > student_) return true;
   if (comparison.z_mean > kLeastSpread && comparison.z_typical > typical_) return true;
-  const Eigen::VectorXd scales = channelScales(layout_, without);
-  const Eigen::ArrayXd gain =
-      motionLosses(layout_, without, scales) - motionLosses(layout_, with, scales);
-  const double evidence =
-      gain.isFinite().select(gain * samples_.array(), 0.0).sum() / kCorrelatedSamples;
+  const double evidence = logLikelihood(with, without) - logLikelihood(without, without);
   return comparison.z_mean > kFewMotions && evidence > kLeastEvidence && isQuiet(without);
 }
 

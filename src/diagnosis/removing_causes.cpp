@@ -34,21 +34,7 @@ EffectFitProblem Selector::without(const Member& member) const {
   return problem;
 }
 
-Dropped Selector::drop(const Member& member, const LinearHeldOut& linear) const {
-  EffectFitProblem problem = without(member);
-  if (problem.parameters.empty())
-    return {Eigen::VectorXd(), residuals(recording_, layout_, problem.simulation)};
-  const auto at = [&](const Eigen::VectorXd& start) {
-    return residuals(recording_, layout_,
-                     withValues(problem.simulation, problem.parameters, start));
-  };
-  Eigen::VectorXd residual = at(problem.start);
-  const Eigen::VectorXd led = linear.others(droppedOf(member));
-  const Eigen::VectorXd led_residual = at(led);
-  if (rule_.compare(residual, led_residual).share > 0.0) {
-    problem.start = led;
-    residual = led_residual;
-  }
+EffectFit Selector::fitInPasses(EffectFitProblem& problem, Eigen::VectorXd residual) const {
   problem.max_iterations = kDropIterations;
   problem.tolerance = kDropTolerance;
   problem.with_covariance = false;
@@ -66,6 +52,25 @@ Dropped Selector::drop(const Member& member, const LinearHeldOut& linear) const 
     problem.start = fit.values;
     residual = fit.residual;
   }
+  return fit;
+}
+
+Dropped Selector::drop(const Member& member, const LinearHeldOut& linear) const {
+  EffectFitProblem problem = without(member);
+  if (problem.parameters.empty())
+    return {Eigen::VectorXd(), residuals(recording_, layout_, problem.simulation)};
+  const auto at = [&](const Eigen::VectorXd& start) {
+    return residuals(recording_, layout_,
+                     withValues(problem.simulation, problem.parameters, start));
+  };
+  Eigen::VectorXd residual = at(problem.start);
+  const Eigen::VectorXd led = linear.others(droppedOf(member));
+  const Eigen::VectorXd led_residual = at(led);
+  if (rule_.compare(residual, led_residual).share > 0.0) {
+    problem.start = led;
+    residual = led_residual;
+  }
+  const EffectFit fit = fitInPasses(problem, std::move(residual));
   return {fit.values, heldOutResiduals(problem, fit, options_.folds)};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "profile_deviation.h"
 #include "raven_correction/diagnosis/noise_floor.h"
 #include "raven_correction/error.h"
 #include "selector.h"
@@ -83,7 +84,7 @@ SelectionResult Selector::run() {
     removeWeak(Effort::kLast);
   }
   result_.converged = members_.empty() || fit_.converged;
-  say("writing the verdict", 0.97);
+  say("comparing the causes with what explains as much", 0.96);
   finish();
   return std::move(result_);
 }
@@ -102,7 +103,8 @@ void Selector::refit() {
       noiseFloor(recording_, withValues(problem_.simulation, problem_.parameters, fit_.values)));
 }
 
-Cause Selector::describe(const Member& member, const Eigen::VectorXd& dropped) const {
+Cause Selector::describe(const Member& member, const Eigen::VectorXd& dropped,
+                         std::vector<Rival> rivals) const {
   Cause cause;
   cause.hypothesis = member.hypothesis;
   const auto k = static_cast<Eigen::Index>(member.hypothesis.parameters.size());
@@ -111,22 +113,17 @@ Cause Selector::describe(const Member& member, const Eigen::VectorXd& dropped) c
   cause.values.head(member.count) = fit_.values.segment(member.first, member.count);
   cause.deviations.head(member.count) =
       fit_.covariance.diagonal().segment(member.first, member.count).cwiseSqrt();
-  for (Eigen::Index i = member.count; i < k; ++i)
-    cause.values(i) =
-        parameterOf(problem_.simulation, member.hypothesis.parameters[static_cast<std::size_t>(i)])
-            .value;
+  for (Eigen::Index i = member.count; i < k; ++i) {
+    const ParameterHandle& fixed = member.hypothesis.parameters[static_cast<std::size_t>(i)];
+    cause.values(i) = parameterOf(problem_.simulation, fixed).value;
+    cause.deviations(i) = profileDeviation(problem_, fit_, fixed, rule_);
+  }
   const LossComparison comparison = rule_.compareWithInterval(dropped, held_out_);
   cause.share = comparison.share;
   cause.lower = comparison.lower;
   cause.upper = comparison.upper;
-  // What has become a cause itself is no rival any more.
-  const auto is_member = [&](const Hypothesis& hypothesis) {
-    return std::any_of(members_.begin(), members_.end(),
-                       [&](const Member& other) { return overlaps(other.hypothesis, hypothesis); });
-  };
-  for (const Hypothesis& equal : member.equals)
-    if (!is_member(equal)) cause.equals.push_back(equal);
-  cause.has_runner_up = member.has_runner_up && !is_member(member.runner_up);
+  cause.equals = std::move(rivals);
+  cause.has_runner_up = member.has_runner_up && !isMember(member.runner_up);
   cause.runner_up = member.runner_up;
   cause.runner_up_share = member.runner_up_share;
   return cause;
@@ -134,8 +131,9 @@ Cause Selector::describe(const Member& member, const Eigen::VectorXd& dropped) c
 
 void Selector::finish() {
   result_.simulation = withValues(problem_.simulation, problem_.parameters, fit_.values);
+  std::vector<std::vector<Rival>> equals = rivals();
   for (std::size_t i = 0; i < members_.size(); ++i)
-    result_.causes.push_back(describe(members_[i], dropped_[i].held_out));
+    result_.causes.push_back(describe(members_[i], dropped_[i].held_out, std::move(equals[i])));
   for (const Cause& cause : result_.causes) {
     std::unique_ptr<Effect> effect = result_.simulation.find(cause.hypothesis.effect)->clone();
     for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i)

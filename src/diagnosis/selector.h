@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The state of a selection (selection.h): the causes so far, their fit, and what may still be
 // added to or removed from them. Adding is adding_causes.cpp, removing removing_causes.cpp, single
-// parameters trimming_causes.cpp.
+// parameters trimming_causes.cpp, what else explains as much comparing_rivals.cpp.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,8 @@ namespace raven_correction {
 struct Member {
   Hypothesis hypothesis;
   Eigen::Index first = 0, count = 0;
-  bool together = false;  // of togetherHypotheses()
-  std::vector<Hypothesis> equals;
+  bool together = false;          // of togetherHypotheses()
+  std::vector<Candidate> equals;  // when it was added, with the values that they had then
   bool has_runner_up = false;
   Hypothesis runner_up;
   double runner_up_share = 0.0;
@@ -47,6 +48,11 @@ struct Finalist {
   double gain = 0.0;         // of held-out motions: no more than `most`
 };
 
+// Two explanations of held-out motions cannot be told apart with z (LossComparison) up to kTie, if
+// the lesser one explains at least kTieShare of what the better does.
+constexpr double kTie = 2.0;
+constexpr double kTieShare = 0.9;
+
 /// Whether they have a parameter in common.
 bool overlaps(const Hypothesis& a, const Hypothesis& b);
 
@@ -67,8 +73,11 @@ class Selector {
   void refit();
 
   // adding_causes.cpp
-  /// The fit so far and one more hypothesis.
-  EffectFitProblem with(const Candidate& candidate) const;
+  /// A fit and one more hypothesis, which begins at the candidate's points.
+  static EffectFitProblem with(EffectFitProblem problem, const Candidate& candidate);
+  /// The value of one of its amplitudes, from `first` of the fit, has run into the end of its
+  /// range.
+  bool endsAtBound(const Hypothesis& hypothesis, const EffectFit& fit, Eigen::Index first) const;
   /// Those whose amplitudes end within their ranges: what needs more than may be is something else.
   /// What explains the most of the motions that it is fitted to comes first.
   std::vector<Finalist> fitFinalists(std::vector<Candidate> candidates) const;
@@ -101,6 +110,9 @@ class Selector {
   // removing_causes.cpp
   /// The fit without one cause, all others free to make up for it.
   EffectFitProblem without(const Member& member) const;
+  /// Fits in passes until the loss falls no more.
+  /// @param residual  at its start
+  EffectFit fitInPasses(EffectFitProblem& problem, Eigen::VectorXd residual) const;
   /// One cause dropped and the others fitted again until the loss falls no more, from where their
   /// derivatives lead or from where they are.
   Dropped drop(const Member& member, const LinearHeldOut& linear) const;
@@ -134,7 +146,19 @@ class Selector {
   /// Takes one parameter out of a cause of several; the others follow by their derivatives alone.
   void takeOut(Member& member, Eigen::Index parameter);
 
-  Cause describe(const Member& member, const Eigen::VectorXd& dropped) const;
+  // comparing_rivals.cpp
+  /// A hypothesis that has become a cause itself is no rival any more.
+  bool isMember(const Hypothesis& hypothesis) const;
+  /// A rival in the place of a member, with all others fitted again. Null where no value within its
+  /// range suits, or where the held-out motions tell them apart after all.
+  std::unique_ptr<Rival> compareWith(const Candidate& equal, const Member& member,
+                                     const Dropped& dropped) const;
+  /// For each member those of its equals that are still none of the causes and still equal.
+  std::vector<std::vector<Rival>> rivals() const;
+
+  /// @param dropped  held-out residual without it
+  Cause describe(const Member& member, const Eigen::VectorXd& dropped,
+                 std::vector<Rival> rivals) const;
   void finish();
 
   const Recording& recording_;

@@ -78,6 +78,14 @@ bool Selector::isAtBound(const ParameterHandle& handle, double value) const {
          (parameter.lower < 0.0 && value <= parameter.lower + margin);
 }
 
+bool Selector::endsAtBound(const Hypothesis& hypothesis, const EffectFit& fit,
+                           Eigen::Index first) const {
+  for (std::size_t k = 0; k < hypothesis.amplitudes(); ++k)
+    if (isAtBound(hypothesis.parameters[k], fit.values(first + static_cast<Eigen::Index>(k))))
+      return true;
+  return false;
+}
+
 void Selector::releaseAtBounds() {
   const auto release = [&](std::size_t m) {
     Member& member = members_[m];

@@ -89,7 +89,8 @@ std::vector<std::string> nextSteps(const Verdict& verdict, const std::string& ex
     if (cause.equals.empty()) continue;
     steps.push_back(
         "To tell " + verdict.labels[i] + " from " + joined(equalLabels(verdict, cause), "and") +
-        ": " + separatingRecording(cause.hypothesis.effect, cause.equals.front().effect) + ".");
+        ": " +
+        separatingRecording(cause.hypothesis.effect, cause.equals.front().hypothesis.effect) + ".");
   }
   if (!verdict.causes.empty() && verdict.has_kinematics)
     steps.push_back(

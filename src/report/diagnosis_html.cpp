@@ -76,6 +76,33 @@ std::vector<KeyNumber> keyNumbers(const Verdict& verdict) {
   return numbers;
 }
 
+void appendRivals(const Verdict& verdict, HtmlDocument& document) {
+  HtmlTable table;
+  table.caption =
+      "What this recording cannot tell apart: what stands in the second column explains the "
+      "held-out "
+      "motions as well as the cause in the first, when it takes its place and everything else is "
+      "fitted again. Log likelihood: of the held-out motions with the cause less with the other; "
+      "expected: what that difference would be on average if the cause were the truth. Where as "
+      "little as a few units are expected, no method could tell the two apart here.";
+  table.header = {"cause",          "or",       "with parameters", "part of its gain",
+                  "log likelihood", "expected", "to tell"};
+  for (std::size_t i = 0; i < verdict.causes.size(); ++i) {
+    const Cause& cause = verdict.causes[i];
+    for (const Rival& rival : cause.equals) {
+      std::vector<std::string> parameters;
+      for (const NamedParameter& parameter : parametersOf(verdict, rival))
+        parameters.push_back(parameterText(parameter, kPlusMinus));
+      table.rows.push_back(
+          {verdict.labels[i], hypothesisLabel(rival.hypothesis, verdict.simulation.robot),
+           joined(parameters, "and"), format("%.0f %%", kPercent * rival.relative_gain),
+           format("%+.2g", rival.log_likelihood), format("%.2g", rival.log_likelihood_expected),
+           separatingRecording(cause.hypothesis.effect, rival.hypothesis.effect)});
+    }
+  }
+  if (!table.rows.empty()) document.table(table);
+}
+
 void appendCauses(const Verdict& verdict, HtmlDocument& document) {
   document.section("Causes");
   if (verdict.causes.empty()) {
@@ -97,10 +124,8 @@ void appendCauses(const Verdict& verdict, HtmlDocument& document) {
     std::vector<std::string> parameters;
     for (const NamedParameter& parameter : parametersOf(verdict, cause))
       parameters.push_back(parameterText(parameter, kPlusMinus));
-    std::string equal = "-";
-    if (!cause.equals.empty())
-      equal = joined(equalLabels(verdict, cause), "or") + ". To tell: " +
-              separatingRecording(cause.hypothesis.effect, cause.equals.front().effect) + ".";
+    const std::string equal =
+        cause.equals.empty() ? "-" : joined(equalLabels(verdict, cause), "or");
     table.rows.push_back({verdict.labels[i], joined(parameters, "and"),
                           percentWithInterval(cause.share, cause.lower, cause.upper), equal,
                           cause.has_runner_up
@@ -109,6 +134,7 @@ void appendCauses(const Verdict& verdict, HtmlDocument& document) {
                               : "-"});
   }
   document.table(table);
+  appendRivals(verdict, document);
   document.figure(causesFigure(verdict));
   HtmlTable advice;
   advice.caption = "What each cause is, and what one can do about it at the robot.";

@@ -81,6 +81,25 @@ Json dependenceJson(const DependenceResult& result) {
   return json;
 }
 
+Json parametersJson(const std::vector<NamedParameter>& parameters) {
+  Json json = Json::object();
+  for (const NamedParameter& parameter : parameters)
+    json[parameter.symbol] = {
+        {"value", parameter.value}, {"std", parameter.deviation}, {"unit", parameter.unit}};
+  return json;
+}
+
+Json rivalJson(const Verdict& verdict, const Rival& rival) {
+  Json json;
+  json["label"] = hypothesisLabel(rival.hypothesis, verdict.simulation.robot);
+  json["parameters"] = parametersJson(parametersOf(verdict, rival));
+  json["relative_gain"] = rival.relative_gain;
+  json["z"] = rival.z;
+  json["log_likelihood_difference"] = rival.log_likelihood;
+  json["log_likelihood_expected"] = rival.log_likelihood_expected;
+  return json;
+}
+
 Json causeJson(const Verdict& verdict, std::size_t index) {
   const Cause& cause = verdict.causes[index];
   Json json;
@@ -89,15 +108,14 @@ Json causeJson(const Verdict& verdict, std::size_t index) {
   for (const int joint : cause.hypothesis.joints)
     json["joints"].push_back(verdict.joints[static_cast<std::size_t>(joint)]);
   json["label"] = verdict.labels[index];
-  for (const NamedParameter& parameter : parametersOf(verdict, cause))
-    json["parameters"][parameter.symbol] = {
-        {"value", parameter.value}, {"std", parameter.deviation}, {"unit", parameter.unit}};
+  json["parameters"] = parametersJson(parametersOf(verdict, cause));
   json["explained_percent"] = kPercent * cause.share;
   json["interval_percent"] = intervalJson(cause.lower, cause.upper);
   json["indistinguishable_from"] = equalLabels(verdict, cause);
+  for (const Rival& rival : cause.equals) json["rivals"].push_back(rivalJson(verdict, rival));
   if (!cause.equals.empty())
     json["separated_by"] =
-        separatingRecording(cause.hypothesis.effect, cause.equals.front().effect);
+        separatingRecording(cause.hypothesis.effect, cause.equals.front().hypothesis.effect);
   if (cause.has_runner_up)
     json["runner_up"] = {{"label", hypothesisLabel(cause.runner_up, verdict.simulation.robot)},
                          {"relative_share", cause.runner_up_share}};
@@ -117,11 +135,17 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
     text += format("; next best: %s (%.0f %% of it)",
                    hypothesisLabel(cause.runner_up, verdict.simulation.robot).c_str(),
                    kPercent * cause.runner_up_share);
+  for (const Rival& rival : cause.equals) {
+    text += "\n    cannot be told from " +
+            hypothesisLabel(rival.hypothesis, verdict.simulation.robot) + " here:";
+    for (const NamedParameter& parameter : parametersOf(verdict, rival))
+      text += " " + parameterText(parameter, "+-") + ",";
+    text += " " + rivalText(rival);
+  }
   if (!cause.equals.empty())
-    text +=
-        format("\n    cannot be told from %s here; to tell: %s",
-               joined(equalLabels(verdict, cause), "or").c_str(),
-               separatingRecording(cause.hypothesis.effect, cause.equals.front().effect).c_str());
+    text += format("\n    to tell: %s", separatingRecording(cause.hypothesis.effect,
+                                                            cause.equals.front().hypothesis.effect)
+                                            .c_str());
   return text;
 }
 

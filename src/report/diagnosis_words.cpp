@@ -6,16 +6,29 @@
 
 namespace raven_correction {
 
-std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Cause& cause) {
-  std::vector<NamedParameter> named;
-  const std::vector<std::string> names = parameterNames(cause.hypothesis, verdict.simulation.robot);
-  for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i) {
-    const EffectParameter parameter =
-        parameterOf(verdict.simulation, cause.hypothesis.parameters[i]);
+namespace {
+
+std::vector<NamedParameter> named(const Verdict& verdict, const Hypothesis& hypothesis,
+                                  const Eigen::VectorXd& values,
+                                  const Eigen::VectorXd& deviations) {
+  std::vector<NamedParameter> parameters;
+  const std::vector<std::string> names = parameterNames(hypothesis, verdict.simulation.robot);
+  for (std::size_t i = 0; i < hypothesis.parameters.size(); ++i) {
+    const std::string unit = parameterOf(verdict.simulation, hypothesis.parameters[i]).unit;
     const auto k = static_cast<Eigen::Index>(i);
-    named.push_back({names[i], parameter.unit, cause.values(k), cause.deviations(k)});
+    parameters.push_back({names[i], unit, values(k), deviations(k)});
   }
-  return named;
+  return parameters;
+}
+
+}  // namespace
+
+std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Cause& cause) {
+  return named(verdict, cause.hypothesis, cause.values, cause.deviations);
+}
+
+std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Rival& rival) {
+  return named(verdict, rival.hypothesis, rival.values, rival.deviations);
 }
 
 std::string parameterText(const NamedParameter& parameter, const char* plus_minus) {
@@ -33,9 +46,18 @@ std::string joined(const std::vector<std::string>& words, const char* last) {
 
 std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause) {
   std::vector<std::string> labels;
-  for (const Hypothesis& equal : cause.equals)
-    labels.push_back(hypothesisLabel(equal, verdict.simulation.robot));
+  for (const Rival& equal : cause.equals)
+    labels.push_back(hypothesisLabel(equal.hypothesis, verdict.simulation.robot));
   return labels;
+}
+
+std::string rivalText(const Rival& rival) {
+  return format(
+      "%.0f %% of its gain, log likelihood %.2g %s (z %.1f); were the cause the truth, this "
+      "recording "
+      "would show %.2g on average",
+      kPercent * rival.relative_gain, std::abs(rival.log_likelihood),
+      rival.log_likelihood < 0.0 ? "higher" : "lower", rival.z, rival.log_likelihood_expected);
 }
 
 const char* jointUnit(const Verdict& verdict, std::size_t joint) {

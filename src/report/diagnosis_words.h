@@ -16,6 +16,7 @@ struct NamedParameter {
   double value, deviation;
 };
 std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Cause& cause);
+std::vector<NamedParameter> parametersOf(const Verdict& verdict, const Rival& rival);
 /// "w = 0.031 +- 0.001 rad"; without a deviation where it has none.
 std::string parameterText(const NamedParameter& parameter, const char* plus_minus);
 
@@ -23,6 +24,9 @@ std::string parameterText(const NamedParameter& parameter, const char* plus_minu
 std::string joined(const std::vector<std::string>& words, const char* last);
 
 std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause);
+/// How near a rival is to its cause: "98 % of its gain, log likelihood 0.3 lower (z 0.4); were the
+/// cause the truth, this recording would show 0.9 on average".
+std::string rivalText(const Rival& rival);
 /// "m" or "rad".
 const char* jointUnit(const Verdict& verdict, std::size_t joint);
 

@@ -46,6 +46,34 @@ ResidualSizes sizesToMsg(const Verdict& verdict, const DiagnosisErrors& errors) 
   return msg;
 }
 
+std::vector<DiagnosisParameter> parametersToMsg(const Verdict& verdict,
+                                                const Hypothesis& hypothesis,
+                                                const Eigen::VectorXd& values,
+                                                const Eigen::VectorXd& deviations) {
+  const std::vector<std::string> names = parameterNames(hypothesis, verdict.simulation.robot);
+  std::vector<DiagnosisParameter> all;
+  for (std::size_t i = 0; i < hypothesis.parameters.size(); ++i) {
+    DiagnosisParameter msg;
+    msg.name = names[i];
+    msg.value = values(static_cast<Eigen::Index>(i));
+    msg.deviation = deviations(static_cast<Eigen::Index>(i));
+    msg.unit = parameterOf(verdict.simulation, hypothesis.parameters[i]).unit;
+    all.push_back(msg);
+  }
+  return all;
+}
+
+DiagnosisRival rivalToMsg(const Verdict& verdict, const Rival& rival) {
+  DiagnosisRival msg;
+  msg.label = hypothesisLabel(rival.hypothesis, verdict.simulation.robot);
+  msg.parameters = parametersToMsg(verdict, rival.hypothesis, rival.values, rival.deviations);
+  msg.relative_gain = rival.relative_gain;
+  msg.z = rival.z;
+  msg.log_likelihood = rival.log_likelihood;
+  msg.log_likelihood_expected = rival.log_likelihood_expected;
+  return msg;
+}
+
 DiagnosisCause causeToMsg(const Verdict& verdict, std::size_t index) {
   const Cause& cause = verdict.causes[index];
   const KinematicChain& robot = verdict.simulation.robot;
@@ -54,23 +82,14 @@ DiagnosisCause causeToMsg(const Verdict& verdict, std::size_t index) {
   msg.effect = cause.hypothesis.effect;
   for (const int joint : cause.hypothesis.joints)
     msg.joints.push_back(verdict.joints[static_cast<std::size_t>(joint)]);
-  const std::vector<std::string> names = parameterNames(cause.hypothesis, robot);
-  for (std::size_t i = 0; i < cause.hypothesis.parameters.size(); ++i) {
-    const EffectParameter parameter =
-        parameterOf(verdict.simulation, cause.hypothesis.parameters[i]);
-    DiagnosisParameter entry;
-    entry.name = names[i];
-    entry.value = cause.values(static_cast<Eigen::Index>(i));
-    entry.deviation = cause.deviations(static_cast<Eigen::Index>(i));
-    entry.unit = parameter.unit;
-    msg.parameters.push_back(entry);
-  }
+  msg.parameters = parametersToMsg(verdict, cause.hypothesis, cause.values, cause.deviations);
   msg.share = cause.share;
   msg.share_lower = cause.lower;
   msg.share_upper = cause.upper;
-  for (const Hypothesis& equal : cause.equals) msg.equals.push_back(hypothesisLabel(equal, robot));
+  for (const Rival& rival : cause.equals) msg.equals.push_back(rivalToMsg(verdict, rival));
   if (!cause.equals.empty())
-    msg.separated_by = separatingRecording(cause.hypothesis.effect, cause.equals.front().effect);
+    msg.separated_by =
+        separatingRecording(cause.hypothesis.effect, cause.equals.front().hypothesis.effect);
   if (cause.has_runner_up) {
     msg.runner_up = hypothesisLabel(cause.runner_up, robot);
     msg.runner_up_share = cause.runner_up_share;
@@ -120,6 +139,7 @@ DiagnosisVerdict verdictToMsg(const Verdict& verdict, const std::string& frame,
   msg.samples = static_cast<std::uint32_t>(verdict.samples);
   msg.folds = static_cast<std::uint32_t>(verdict.folds);
   msg.hypotheses = static_cast<std::uint32_t>(verdict.hypotheses);
+  msg.stopped_at_max_causes = verdict.stopped_at_most;
   for (std::size_t i = 0; i < verdict.causes.size(); ++i)
     msg.causes.push_back(causeToMsg(verdict, i));
   msg.before = sizesToMsg(verdict, verdict.before);

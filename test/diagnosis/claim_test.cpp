@@ -52,6 +52,37 @@ TEST(ClaimRule, TheThresholdBecomesTheNormalQuantile) {
   EXPECT_FALSE(std::isfinite(typicalThreshold(1e-4, 1)));
 }
 
+// 160 numbers of one size, of which 20 count as one: 8 times half the squared whitened size.
+TEST(ClaimRule, LogLikelihoodCountsIndependentSamples) {
+  const ResidualLayout layout = layoutOf(4, 40, 1);
+  const ClaimRule rule(layout, 0.004, 1);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Constant(layout.size, 1e-3);
+  EXPECT_NEAR(rule.logLikelihood(ones, ones), -8.0 * 0.5 / (1.4826 * 1.4826), 1e-9);
+  EXPECT_NEAR(rule.logLikelihood(2.0 * ones, ones), 4.0 * rule.logLikelihood(ones, ones), 1e-9);
+  EXPECT_EQ(rule.logLikelihood(0.0 * ones, ones), 0.0);
+}
+
+// What is expected of two predictions that differ is what is seen on average where one is true.
+TEST(ClaimRule, ExpectedLogLikelihoodIsThatSeenOnAverage) {
+  const ResidualLayout layout = layoutOf(10, 40, 2);
+  const ClaimRule rule(layout, 0.004, 1);
+  std::mt19937_64 engine(8);
+  std::normal_distribution<double> normal(0.0, 1e-3);
+  Eigen::VectorXd apart(layout.size);
+  for (double& value : apart) value = normal(engine) * 0.7;
+  double seen = 0.0, expected = 0.0;
+  constexpr int kDraws = 300;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Eigen::VectorXd truth(layout.size);
+    for (double& value : truth) value = normal(engine);
+    seen += rule.logLikelihood(truth, truth) - rule.logLikelihood(truth + apart, truth);
+    expected -= rule.logLikelihood(apart, truth);
+  }
+  // Huber's loss makes the tails count for less.
+  EXPECT_NEAR(seen / expected, 1.0, 0.08);
+  EXPECT_GT(expected / kDraws, 2.0);
+}
+
 // The gain of every motion is drawn around the same mean, as beyond chance as one wants it.
 Eigen::VectorXd improved(const ResidualLayout& layout, const Eigen::VectorXd& before, double z) {
   constexpr double kGain = 0.1;

@@ -31,7 +31,7 @@ void expectFound(const plant::PlantOptions& options, const plant::HiddenEffect& 
   const Judgement judgement = judge(verdict, truth);
   EXPECT_TRUE(judgement.named) << plant::describe(truth) << " was not named:\n"
                                << diagnosisText(verdict);
-  if (judgement.size_known) {
+  if (judgement.named) {
     EXPECT_TRUE(judgement.size_right) << plant::describe(truth) << " has another size:\n"
                                       << diagnosisText(verdict);
   }
@@ -102,8 +102,9 @@ TEST(HiddenEffects, EncodersTellFrictionFromBacklash) {
     const Verdict with = diagnose(recorded.dataset, nominal(), {}, seeing);
     ASSERT_FALSE(with.causes.empty());
     EXPECT_EQ(with.causes.front().hypothesis.effect, effect) << diagnosisText(with);
-    for (const Hypothesis& equal : with.causes.front().equals)
-      EXPECT_FALSE(equal.effect == "drive_friction" || equal.effect == "backlash")
+    for (const Rival& equal : with.causes.front().equals)
+      EXPECT_FALSE(equal.hypothesis.effect == "drive_friction" ||
+                   equal.hypothesis.effect == "backlash")
           << diagnosisText(with);
 
     DiagnosisOptions blind = seeing;

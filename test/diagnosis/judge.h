@@ -28,45 +28,56 @@ inline bool names(const Cause& cause, const plant::HiddenEffect& truth,
                   const KinematicChain& robot) {
   return isCause(cause.hypothesis, truth, robot) ||
          std::any_of(cause.equals.begin(), cause.equals.end(),
-                     [&](const Hypothesis& equal) { return isCause(equal, truth, robot); });
+                     [&](const Rival& equal) { return isCause(equal.hypothesis, truth, robot); });
+}
+
+/// Whether every amplitude is within 15 % of the truth or two standard deviations. Those of a truth
+/// that has several (a pose) are compared as a whole: their difference within 15 % of their size,
+/// or each within two deviations.
+inline bool isSizeRight(const Hypothesis& hypothesis, const Eigen::VectorXd& values,
+                        const Eigen::VectorXd& deviations, const plant::HiddenEffect& truth,
+                        const SimulationConfig& simulation) {
+  bool within_deviations = true;
+  double difference = 0.0, size = 0.0;
+  for (std::size_t k = 0; k < hypothesis.amplitudes(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    const std::string symbol = parameterOf(simulation, hypothesis.parameters[k]).symbol;
+    const auto found = truth.parameters.find(symbol);
+    const double is = found == truth.parameters.end() ? 0.0 : found->second;
+    // Metres count as at an arm's length of 50 mm, where poses mix them with radians.
+    const bool length =
+        hypothesis.amplitudes() > 1 && (symbol == "x" || symbol == "y" || symbol == "z");
+    const double scale = length ? 20.0 : 1.0;
+    difference += std::pow(scale * (values(at) - is), 2);
+    size += std::pow(scale * is, 2);
+    within_deviations &= std::abs(values(at) - is) <= 2.0 * deviations(at);
+  }
+  return within_deviations || std::sqrt(difference) <= 0.15 * std::sqrt(size);
 }
 
 struct Judgement {
   bool named = false;       ///< as a cause, or among those that cannot be told from one
-  bool first = false;       ///< as the largest cause itself, not as its equal
-  bool size_known = false;  ///< the cause itself was named, so its parameters can be compared
-  bool size_right = false;  ///< every amplitude within 15 % or two standard deviations
+  bool itself = false;      ///< as a cause
+  bool first = false;       ///< as the largest one
+  bool size_right = false;  ///< of the cause, or of the equal that it is
 };
 
-/// The amplitudes of a truth that has several (a pose) are compared as a whole: their difference
-/// within 15 % of their size, or each within two deviations.
 inline Judgement judge(const Verdict& verdict, const plant::HiddenEffect& truth) {
   Judgement judgement;
   const KinematicChain& robot = verdict.simulation.robot;
   for (std::size_t i = 0; i < verdict.causes.size(); ++i) {
     const Cause& cause = verdict.causes[i];
-    const bool itself = isCause(cause.hypothesis, truth, robot);
     judgement.named |= names(cause, truth, robot);
-    if (!itself) continue;
-    judgement.first |= i == 0;
-    judgement.size_known = true;
-    bool within_deviations = true;
-    double difference = 0.0, size = 0.0;
-    for (std::size_t k = 0; k < cause.hypothesis.amplitudes(); ++k) {
-      const auto at = static_cast<Eigen::Index>(k);
-      const std::string symbol =
-          parameterOf(verdict.simulation, cause.hypothesis.parameters[k]).symbol;
-      const auto found = truth.parameters.find(symbol);
-      const double is = found == truth.parameters.end() ? 0.0 : found->second;
-      // Metres count as at an arm's length of 50 mm, where poses mix them with radians.
-      const bool length =
-          cause.hypothesis.amplitudes() > 1 && (symbol == "x" || symbol == "y" || symbol == "z");
-      const double scale = length ? 20.0 : 1.0;
-      difference += std::pow(scale * (cause.values(at) - is), 2);
-      size += std::pow(scale * is, 2);
-      within_deviations &= std::abs(cause.values(at) - is) <= 2.0 * cause.deviations(at);
+    if (isCause(cause.hypothesis, truth, robot)) {
+      judgement.itself = true;
+      judgement.first |= i == 0;
+      judgement.size_right |=
+          isSizeRight(cause.hypothesis, cause.values, cause.deviations, truth, verdict.simulation);
     }
-    judgement.size_right |= within_deviations || std::sqrt(difference) <= 0.15 * std::sqrt(size);
+    for (const Rival& equal : cause.equals)
+      judgement.size_right |=
+          isCause(equal.hypothesis, truth, robot) &&
+          isSizeRight(equal.hypothesis, equal.values, equal.deviations, truth, verdict.simulation);
   }
   return judgement;
 }

@@ -29,7 +29,7 @@ std::set<std::string> effectsOf(const Verdict& verdict) {
   std::set<std::string> effects;
   for (const Cause& cause : verdict.causes) {
     effects.insert(cause.hypothesis.effect);
-    for (const Hypothesis& equal : cause.equals) effects.insert(equal.effect);
+    for (const Rival& equal : cause.equals) effects.insert(equal.hypothesis.effect);
   }
   return effects;
 }

@@ -134,7 +134,11 @@ TEST(DiagnosisJson, HasTheKeysOfItsHeader) {
   verdict.aligned = true;
   verdict.after_alignment = verdict.before;
   Cause& cause = verdict.causes.front();
-  cause.equals = {cause.hypothesis};
+  Rival rival;
+  rival.hypothesis = cause.hypothesis;
+  rival.values = cause.values;
+  rival.deviations = cause.deviations;
+  cause.equals = {rival};
   cause.has_runner_up = true;
   cause.runner_up = cause.hypothesis;
   collectKeys(nlohmann::json::parse(diagnosisJson(verdict)), "", written);

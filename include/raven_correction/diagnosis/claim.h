@@ -66,6 +66,10 @@ class ClaimRule {
   /// With the interval of the share, too.
   LossComparison compareWithInterval(const Eigen::VectorXd& without,
                                      const Eigen::VectorXd& with) const;
+  /// Log likelihood of residuals in units of their spread in `scales_of`, less that of none: minus
+  /// the sum over motions of their loss (motionLosses()) times the samples per channel / 20,
+  /// because about 20 samples of motion capture in a row say as much as one independent one [-].
+  double logLikelihood(const Eigen::VectorXd& residual, const Eigen::VectorXd& scales_of) const;
   /// Whether that gain is enough to claim what `with` has and `without` has not. At least
   /// least_share of the loss, and then one of
   ///
@@ -73,9 +77,7 @@ class ClaimRule {
   ///            few motions are enough
   ///   typical  z_mean > 2.5 and z_typical beyond the second: most motions gain, some of them much
   ///   few      z_mean > 1.6, the recording is quiet but for these (scale of `without` at most 1.5
-  ///            of the noise, in every channel), and a log likelihood ratio above 25: the sum over
-  ///            motions of (gain in mean loss) x (samples per channel) / 20, because about 20
-  ///            samples of motion capture in a row say as much as one independent one
+  ///            of the noise, in every channel), and a log likelihood ratio above 25
   ///
   /// @param without, with  held-out residuals, layout.size each
   bool earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const;

@@ -24,15 +24,34 @@ struct SelectionOptions {
   std::uint64_t seed = 1;
 };
 
+/// A hypothesis that, in the place of a cause and with all other causes fitted again, explains the
+/// held-out motions as well.
+struct Rival {
+  Hypothesis hypothesis;
+  Eigen::VectorXd values, deviations;  ///< what its parameters would be, as in Cause
+  double relative_gain = 0.0;  ///< of the held-out loss without the cause, over the cause's own [-]
+  /// Mean difference of the motions' held-out losses over its standard error; above 0 the cause is
+  /// ahead, below the rival [-].
+  double z = 0.0;
+  /// Log likelihood of the held-out motions with the cause, less that with the rival
+  /// (ClaimRule::logLikelihood()) [-].
+  double log_likelihood = 0.0;
+  /// What that difference would be on average if the cause were the truth: half the squared
+  /// distance of the two predictions in units of what is left. It is the information that this
+  /// recording has to tell them apart; with little of it no method could [-].
+  double log_likelihood_expected = 0.0;
+};
+
 /// A hypothesis that earned its place.
 struct Cause {
   Hypothesis hypothesis;
-  Eigen::VectorXd values;      ///< of its parameters
-  Eigen::VectorXd deviations;  ///< one standard deviation each; 0 for a fixed shape
+  Eigen::VectorXd values;  ///< of its parameters
+  /// One standard deviation each; of a fixed shape as its likelihood has it (profileDeviation()).
+  Eigen::VectorXd deviations;
   /// Share of the held-out loss that is there when this cause is dropped and all others are
   /// refitted, which goes when it is in, and its 95 % interval over motions [-].
   double share = 0.0, lower = 0.0, upper = 0.0;
-  std::vector<Hypothesis> equals;  ///< explain the held-out motions as well; at most three
+  std::vector<Rival> equals;  ///< explain the held-out motions as well; at most three
   bool has_runner_up = false;
   Hypothesis runner_up;          ///< the best of the others when this one was chosen
   double runner_up_share = 0.0;  ///< of the loss at that moment, of this cause's own [-]

@@ -16,6 +16,8 @@ std::string diagnosisText(const Verdict& verdict);
 
 /// {"causes": [{"effect", "joints", "label", "parameters": {name: {"value", "std", "unit"}},
 ///   "explained_percent", "interval_percent": [lo, hi], "indistinguishable_from": [label],
+///   "rivals" (one for each such label): [{"label", "parameters", "relative_gain", "z",
+///   "log_likelihood_difference", "log_likelihood_expected"}] (see Rival),
 ///   "separated_by" (where there is such a label), "runner_up" (where there is one): {"label",
 ///   "relative_share"}}],
 ///  "unexplained": {"present", "depends_on", "rms_mm", "rms_deg", "share_percent"} (beyond the
