@@ -81,7 +81,7 @@ Figure timesFigure(const DebridementReport& report) {
   return figure;
 }
 
-std::string words(const SpeedUp& speed_up) {
+std::string words(const PairedComparison& speed_up) {
   return format("%.2f (%.2f to %.2f)", speed_up.value, speed_up.interval.lower,
                 speed_up.interval.upper);
 }
@@ -96,15 +96,26 @@ void appendVerdict(const DebridementReport& report, HtmlDocument& document) {
   }
   const DebridementSummary before = summarise(slow->fields, report.seed);
   const DebridementSummary after = summarise(fast->fields, report.seed);
-  const SpeedUp speed_up = *speedUpOf(report, kCorrected);
-  const bool kept = after.success >= before.success;
-  const bool faster = speed_up.interval.lower > 1.0;
+  const std::optional<PairedComparison> speed_up = speedUpOf(report, kCorrected);
+  if (!speed_up) {
+    document.verdict(Tone::kWarning, "The baseline delivered nothing.", {},
+                     {"Look at grasps.csv (--output) for why its jaws closed on nothing."});
+    return;
+  }
+  const PairedComparison success = *successOf(report, kCorrected);
+  const bool kept = success.value >= 0.0;
+  const bool faster = speed_up->interval.lower > 1.0;
   std::vector<std::string> found{
       format("%.1f s per fragment instead of %.1f s; the paper: %.1f s and %.1f times faster.",
              after.seconds_per_fragment, before.seconds_per_fragment, kPaperSecondsPerFragment,
              kPaperSpeedUp),
-      format("%.1f %% of the fragments were delivered, %.1f %% by the baseline.",
-             kPercent * after.success, kPercent * before.success)};
+      format(
+          "%.1f %% of the fragments were delivered, %.1f %% by the baseline: %+.1f points (%+.1f "
+          "to %+.1f), %s.",
+          kPercent * after.success, kPercent * before.success, kPercent * success.value,
+          kPercent * success.interval.lower, kPercent * success.interval.upper,
+          successWords(success)),
+      "The intervals are of these scenes and these models: arms that learn again differ, too."};
   std::vector<std::string> next;
   if (kept)
     next.emplace_back("Repeat it with another --seed before relying on the difference.");
@@ -115,7 +126,8 @@ void appendVerdict(const DebridementReport& report, HtmlDocument& document) {
   document.verdict(
       kept && faster ? Tone::kGood : Tone::kWarning,
       format("With the correction debridement is %s times faster; its success rate is %s.",
-             words(speed_up).c_str(), kept ? "kept" : "LOWER than the baseline's"),
+             words(*speed_up).c_str(),
+             kept ? "no lower than the baseline's" : "LOWER than the baseline's"),
       found, next);
 }
 
@@ -147,14 +159,21 @@ std::string debridementHtml(const DebridementReport& report, const RunRecord& ru
   document.figure(timesFigure(report));
   document.section("What was learnt");
   HtmlTable learnt;
-  learnt.caption = "On trajectories that the trainer kept out of the fit.";
-  learnt.header = {"arm",        "trajectories", "pairs",      "before [mm]",
-                   "after [mm]", "before [deg]", "after [deg]"};
-  learnt.numeric = {false, true, true, true, true, true, true};
+  learnt.caption =
+      "Before and after: on trajectories of the last rehearsal that the trainer kept out of the "
+      "fit "
+      "(before: without this model, but at the places to which the one before it brought the "
+      "tool). "
+      "Trial: at rest at places like those of the task, by motion capture.";
+  learnt.header = {"arm",          "places",      "pairs",      "before [mm]",  "after [mm]",
+                   "before [deg]", "after [deg]", "trial [mm]", "usual sd [mm]"};
+  learnt.numeric = {false, true, true, true, true, true, true, true, true};
   for (const DebridementLearning& arm : report.learning)
-    learnt.rows.push_back({arm.arm, std::to_string(arm.trajectories), std::to_string(arm.pairs),
+    learnt.rows.push_back({arm.arm, std::to_string(arm.places), std::to_string(arm.pairs),
                            format("%.1f", arm.before_mm), format("%.2f", arm.after_mm),
-                           format("%.1f", arm.before_deg), format("%.2f", arm.after_deg)});
+                           format("%.1f", arm.before_deg), format("%.2f", arm.after_deg),
+                           format("%.2f", kMillimetre * arm.trial_deviation),
+                           format("%.2f", kMillimetre * arm.usual_prediction)});
   document.table(learnt);
   appendProvenance(run, document);
   return document.text();

@@ -49,12 +49,17 @@ Json conditionJson(const DebridementCondition& condition, std::uint64_t seed) {
   return json;
 }
 
-void addSpeedUp(const DebridementReport& report, const char* fast, const std::string& key,
-                Json& json) {
-  const std::optional<SpeedUp> speed_up = speedUpOf(report, fast);
-  if (!speed_up) return;
-  json[key] = speed_up->value;
-  json[key + "_interval"] = intervalJson(speed_up->interval);
+void addComparison(const DebridementReport& report, const char* fast, const std::string& of,
+                   Json& json) {
+  if (const std::optional<PairedComparison> speed_up = speedUpOf(report, fast)) {
+    json["speedup" + of] = speed_up->value;
+    json["speedup" + of + "_interval"] = intervalJson(speed_up->interval);
+  }
+  if (const std::optional<PairedComparison> success = successOf(report, fast)) {
+    json["success_difference" + of + "_percent"] = kPercent * success->value;
+    json["success_difference" + of + "_interval_percent"] =
+        intervalJson(success->interval, kPercent);
+  }
 }
 
 }  // namespace
@@ -80,18 +85,26 @@ std::string debridementText(const DebridementReport& report) {
     text += "\n";
   }
   text += "\n";
-  for (const char* fast : {kCorrected, kCorrectedReplanning})
-    if (const std::optional<SpeedUp> speed_up = speedUpOf(report, fast))
+  for (const char* fast : {kCorrected, kCorrectedReplanning}) {
+    if (const std::optional<PairedComparison> speed_up = speedUpOf(report, fast))
       text += format("  %-22s %.2f times faster than the baseline (%.2f to %.2f)\n", fast,
                      speed_up->value, speed_up->interval.lower, speed_up->interval.upper);
+    if (const std::optional<PairedComparison> success = successOf(report, fast))
+      text += format("  %-22s success %+.1f points (%+.1f to %+.1f): %s\n", "",
+                     kPercent * success->value, kPercent * success->interval.lower,
+                     kPercent * success->interval.upper, successWords(*success));
+  }
   text += format("  %-22s %.1f times faster, %.1f s per fragment\n", "the paper", kPaperSpeedUp,
                  kPaperSecondsPerFragment);
   for (const DebridementLearning& arm : report.learning)
     text += format(
-        "  %s: learnt from %u pairs of %u trajectories; on held-out ones %.1f to %.2f mm, %.1f to "
-        "%.2f deg\n",
-        arm.arm.c_str(), arm.pairs, arm.trajectories, arm.before_mm, arm.after_mm, arm.before_deg,
-        arm.after_deg);
+        "  %s: learnt from %u pairs at %u places; on held-out motions %.1f to %.2f mm, %.1f to "
+        "%.2f deg; at %u places like those of the task %.2f mm off, mean (%.2f, %.2f, %.2f) mm, by "
+        "motion capture; sd predicted at three in four of them at most %.2f mm\n",
+        arm.arm.c_str(), arm.pairs, arm.places, arm.before_mm, arm.after_mm, arm.before_deg,
+        arm.after_deg, arm.trial_places, kMillimetre * arm.trial_deviation,
+        kMillimetre * arm.trial_mean.x(), kMillimetre * arm.trial_mean.y(),
+        kMillimetre * arm.trial_mean.z(), kMillimetre * arm.usual_prediction);
   text += format(
       "  simulator: %llu cycles, %.1f %% of them late, %.2f simulated seconds per second; the "
       "clock "
@@ -106,8 +119,8 @@ std::string debridementJson(const DebridementReport& report) {
   Json json;
   for (const DebridementCondition& condition : report.conditions)
     json[condition.name] = conditionJson(condition, report.seed);
-  addSpeedUp(report, kCorrected, "speedup", json);
-  addSpeedUp(report, kCorrectedReplanning, "speedup_replanning", json);
+  addComparison(report, kCorrected, "", json);
+  addComparison(report, kCorrectedReplanning, "_replanning", json);
   json["paper"] = {{"speedup", kPaperSpeedUp},
                    {"corrected", {{"seconds_per_fragment", kPaperSecondsPerFragment}}}};
   json["arms"] = report.arms;
@@ -116,14 +129,21 @@ std::string debridementJson(const DebridementReport& report) {
   json["look_seconds"] = report.look_time;
   json["training"] = Json::array();
   for (const DebridementLearning& arm : report.learning)
-    json["training"].push_back({{"arm", arm.arm},
-                                {"model", arm.model},
-                                {"trajectories", arm.trajectories},
-                                {"pairs", arm.pairs},
-                                {"position_before_mm", arm.before_mm},
-                                {"position_after_mm", arm.after_mm},
-                                {"angle_before_deg", arm.before_deg},
-                                {"angle_after_deg", arm.after_deg}});
+    json["training"].push_back(
+        {{"arm", arm.arm},
+         {"model", arm.model},
+         {"places", arm.places},
+         {"pairs", arm.pairs},
+         {"position_before_mm", arm.before_mm},
+         {"position_after_mm", arm.after_mm},
+         {"angle_before_deg", arm.before_deg},
+         {"angle_after_deg", arm.after_deg},
+         {"trial_places", arm.trial_places},
+         {"trial_deviation_mm", kMillimetre * arm.trial_deviation},
+         {"trial_mean_mm",
+          {kMillimetre * arm.trial_mean.x(), kMillimetre * arm.trial_mean.y(),
+           kMillimetre * arm.trial_mean.z()}},
+         {"usual_prediction_mm", kMillimetre * arm.usual_prediction}});
   json["simulator"] = {{"cycles", report.cycles},
                        {"late_percent", latePercent(report)},
                        {"clock_rate", report.clock_rate},

@@ -25,11 +25,26 @@ const DebridementCondition* conditionOf(const DebridementReport& report, const s
   return nullptr;
 }
 
-std::optional<SpeedUp> speedUpOf(const DebridementReport& report, const std::string& fast) {
+std::optional<PairedComparison> speedUpOf(const DebridementReport& report,
+                                          const std::string& fast) {
   const DebridementCondition* const slow = conditionOf(report, kBaseline);
   const DebridementCondition* const other = conditionOf(report, fast);
   if (slow == nullptr || other == nullptr) return std::nullopt;
   return speedUp(slow->fields, other->fields, report.seed);
+}
+
+std::optional<PairedComparison> successOf(const DebridementReport& report,
+                                          const std::string& name) {
+  const DebridementCondition* const reference = conditionOf(report, kBaseline);
+  const DebridementCondition* const other = conditionOf(report, name);
+  if (reference == nullptr || other == nullptr) return std::nullopt;
+  return successDifference(reference->fields, other->fields, report.seed);
+}
+
+const char* successWords(const PairedComparison& difference) {
+  if (difference.interval.upper < 0.0) return "lower";
+  if (difference.interval.lower > 0.0) return "higher";
+  return difference.value == 0.0 ? "the same" : "not told apart by these scenes";
 }
 
 const std::vector<DebridementRow>& debridementRows() {
@@ -42,6 +57,7 @@ const std::vector<DebridementRow>& debridementRows() {
          if (c.replan_interval > 0.0) return format("every %.1f s", c.replan_interval);
          if (c.deviation_limit > 0.0)
            return format("where sd > %.1f mm", kMillimetre * c.deviation_limit);
+         if (c.deviation_limit < 0.0) return std::string("where sd is unusual");
          return std::string("none");
        }},
       {"seconds per fragment",
@@ -58,13 +74,13 @@ const std::vector<DebridementRow>& debridementRows() {
        [](const C&, const S& s) {
          return format("%u of %u, %u scenes", s.delivered, s.fragments, s.scenes);
        }},
-      {"picked up at the first attempt [%]",
+      {"gone after the first attempt [%]",
        [](const C&, const S& s) { return format("%.1f", kPercent * firstTryShare(s)); }},
       {"retries per fragment", [](const C&, const S& s) { return format("%.2f", s.retries); }},
       {"jaw closed on nothing", [](const C&, const S& s) { return format("%u", s.missed); }},
       {"given up, dropped",
        [](const C&, const S& s) { return format("%u, %u", s.given_up, s.dropped); }},
-      {"replanned by predicted deviation",
+      {"measured at rest before closing",
        [](const C&, const S& s) { return format("%u", s.replans); }},
       {"arm's time per picked fragment [s]",
        [](const C&, const S& s) { return format("%.1f", s.busy_per_fragment); }},

@@ -21,7 +21,11 @@ double firstTryShare(const DebridementSummary& summary);
 double latePercent(const DebridementReport& report);
 const DebridementCondition* conditionOf(const DebridementReport& report, const std::string& name);
 /// Of a condition over the baseline; nothing where one of them is missing.
-std::optional<SpeedUp> speedUpOf(const DebridementReport& report, const std::string& fast);
+std::optional<PairedComparison> speedUpOf(const DebridementReport& report, const std::string& fast);
+/// Success of a condition less that of the baseline; nothing where one of them is missing.
+std::optional<PairedComparison> successOf(const DebridementReport& report, const std::string& name);
+/// "lower", "higher", or that these scenes do not tell.
+const char* successWords(const PairedComparison& difference);
 
 /// One line of the table.
 struct DebridementRow {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "raven_correction/TrajectoryEvent.h"
@@ -22,6 +23,8 @@ constexpr double kStartTimeout = 10.0;  // for the first set-point and a listene
 constexpr double kFirstMeasurement = 0.6;  // commands at rest before the first one [s]
 constexpr double kArrival = 0.3;           // of the tool behind its commands, at most [s]
 constexpr double kSettleAgain = 0.2;       // after a replanned pose was reached [s]
+constexpr double kStatusAge = 0.2;         // of what the corrector says of the last pose [s]
+constexpr int kTries = 3;                  // of the first measurement
 
 void forgetBefore(double stamp, PoseStream& stream) {
   const auto old = std::find_if(stream.begin(), stream.end(),
@@ -55,6 +58,7 @@ DebridementArm::DebridementArm(const std::string& arm, const std::string& base_f
       topics::kStatus, 100, [this](const CorrectionStatusConstPtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
         predicted_ = vectorFromMsg(message->sd_position).norm();
+        predicted_stamp_ = message->header.stamp.toSec();
       });
 }
 
@@ -108,14 +112,16 @@ void DebridementArm::send(const StampedPose& desired) {
   measure(desired.stamp);
 }
 
-bool DebridementArm::measure(double at) {
+PoseStream DebridementArm::seenSince(double stamp) {
   PoseStream recent;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    for (const StampedPose& sample : observed_)
-      if (sample.stamp >= at - motion_.window) recent.push_back(sample);
-  }
-  const bool measured = replanner_.measure(sent_, recent, at);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const StampedPose& sample : observed_)
+    if (sample.stamp >= stamp) recent.push_back(sample);
+  return recent;
+}
+
+bool DebridementArm::measure(double at) {
+  const bool measured = replanner_.measure(sent_, seenSince(at - motion_.window), at);
   if (measured) ++measurements_;
   return measured;
 }
@@ -176,18 +182,42 @@ FieldPicture DebridementArm::look() {
 
 double DebridementArm::predictedDeviation() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return predicted_;
+  // Of another pose it says nothing of this one.
+  return last_stamp_ - predicted_stamp_ <= kStatusAge ? predicted_
+                                                      : std::numeric_limits<double>::infinity();
 }
 
-void DebridementArm::replanHere() {
-  wait(kArrival + motion_.window);  // the tool comes to rest after what it was sent
-  if (!measure(last_stamp_)) return;
-  wait(motion_.replan.blend + kSettleAgain);
+bool DebridementArm::replanHere() {
+  // With friction and play the tool does not go all of the way that undoes a deviation.
+  for (unsigned i = 0; i < motion_.replans_at_rest; ++i) {
+    wait(kArrival + motion_.window);  // the tool comes to rest after what it was sent
+    const Eigen::Vector3d before = replanner_.translation();
+    if (!measure(last_stamp_)) return i > 0;
+    wait(motion_.replan.blend + kSettleAgain);
+    if ((replanner_.translation() - before).norm() < motion_.near_enough) break;
+  }
+  return true;
 }
 
 void DebridementArm::measureAtRest() {
-  wait(kFirstMeasurement);
-  replanHere();
+  for (int i = 0; i < kTries; ++i) {
+    wait(kFirstMeasurement);
+    if (replanHere()) return;
+  }
+  throw std::runtime_error(nh_.getNamespace() +
+                           ": motion capture does not say where the tool at rest is");
+}
+
+void DebridementArm::takeBack() {
+  replanner_.forget(now());
+  wait(motion_.replan.blend + kSettleAgain);
+}
+
+std::optional<Eigen::Vector3d> DebridementArm::deviation() {
+  DeviationReplanner probe(motion_.replan);
+  if (!probe.measure(sent_, seenSince(last_stamp_ - motion_.window), last_stamp_))
+    return std::nullopt;
+  return probe.translation();
 }
 
 }  // namespace raven_correction

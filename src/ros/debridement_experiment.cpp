@@ -1,68 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/debridement_experiment.h"
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/console.h>
 #include <ros/ros.h>
-#include <std_msgs/Float64.h>
 #include <std_srvs/Trigger.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cmath>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <thread>
-#include <tuple>
 
-#include "raven_correction/GraspResult.h"
+#include "debridement_learning.h"
+#include "debridement_places.h"
+#include "debridement_witness.h"
 #include "raven_correction/LoadScene.h"
-#include "raven_correction/Retrain.h"
-#include "raven_correction/SetMode.h"
-#include "raven_correction/StartRecording.h"
-#include "raven_correction/StopRecording.h"
 #include "raven_correction/error.h"
-#include "raven_correction/robot/chain_file.h"
-#include "raven_correction/robot/inverse_kinematics.h"
 #include "raven_correction/ros/debridement_arm.h"
 #include "raven_correction/ros/field_eye.h"
 #include "raven_correction/ros/live_experiment.h"
-#include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/private_launch.h"
 
 namespace raven_correction {
 namespace {
 
-constexpr char kCamera[] = "/field_camera";
+constexpr char kCamera[] = "/field_camera/simulator";
 constexpr char kSimulator[] = "/raven/simulator";
-constexpr double kClockTimeout = 10.0;  // for the first message on /clock [s, real]
-constexpr double kOnItsWay = 0.2;       // of a message, long [s, real]
-constexpr double kPlatform = -0.170;    // height of its surface in the base frame [m]
-constexpr double kOnce = 1e9;           // interval of measurements, of which the first counts [s]
-constexpr unsigned kMotionsPerTwoPlaces = 7;                 // of a rehearsal
-constexpr std::uint64_t kScenes = 1000, kRehearsals = 5000;  // seeds
-
-struct ArmPlace {
-  const char* name;
-  const char* robot;
-  Eigen::Vector3d p_base_receptacle;
-  double lower, upper;  // part of the field that they share, x [m]
-};
-/// Two arms share a field between them; one alone has a field in front of it.
-const ArmPlace kPlaces[] = {
-    {"/raven/left", "config/robots/raven2_left.yaml", {-0.020, -0.0203, -0.105}, 0.0, 1.0},
-    {"/raven/right", "config/robots/raven2_right.yaml", {-0.1286, -0.0203, -0.105}, -1.0, 0.0}};
-
-Pose fieldOf(unsigned arms) {
-  return {{arms == 1 ? -0.020 : -0.0743, -0.058, kPlatform}, Eigen::Quaterniond::Identity()};
-}
+constexpr double kClockTimeout = 10.0;   // for the first message on /clock [s, real]
+constexpr double kOnItsWay = 0.5;        // of a message, long [s, real]
+constexpr double kLearning = 0.3;        // of all the work, roughly [-]
+constexpr std::uint64_t kScenes = 1000;  // seeds
 
 /// How an arm works in a condition.
 struct Manner {
@@ -77,83 +47,6 @@ const Manner kManners[] = {{"baseline", "off", 0.01, 1.0, 1.5, false},
                            {"corrected", "full", 0.06, 0.0, 0.25, false},
                            {"corrected_replanning", "full", 0.06, 0.0, 0.25, true}};
 
-/// What the nodes say of the truth while the arms work.
-class Witness {
- public:
-  explicit Witness(const std::string& folder) : table_(folder + "/grasps.csv") {
-    table_ << "condition,scene,stamp,gripper,outcome,fragment,along_mm,across_mm,pads_mm,extent_mm,"
-              "tilt_deg\n";
-    ros::NodeHandle nh;
-    subscribers_.push_back(nh.subscribe<GraspResult>(
-        std::string(kCamera) + "/simulator/grasps", 100,
-        [this](const GraspResultConstPtr& message) { onGrasp(*message); }));
-    subscribers_.push_back(
-        nh.subscribe<std_msgs::Float64>(std::string(kSimulator) + "/clearance", 100,
-                                        [this](const std_msgs::Float64ConstPtr& message) {
-                                          const std::lock_guard<std::mutex> lock(mutex_);
-                                          clearance_ = std::min(clearance_, message->data);
-                                        }));
-    subscribers_.push_back(nh.subscribe<diagnostic_msgs::DiagnosticArray>(
-        "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
-          onDiagnostics(*message);
-        }));
-  }
-  void begin(const std::string& condition) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    condition_ = condition;
-    clearance_ = std::numeric_limits<double>::infinity();
-  }
-  void begin(std::uint64_t scene) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    scene_ = scene;
-    counts_.fill(0);
-  }
-  unsigned count(std::uint8_t outcome) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return counts_.at(outcome);
-  }
-  double clearance() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return clearance_;
-  }
-  std::pair<std::uint64_t, std::uint64_t> cycles() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return {cycles_, late_cycles_};
-  }
-
- private:
-  void onGrasp(const GraspResult& message) {
-    static const char* const names[] = {"held", "missed", "delivered", "dropped", "lost", "empty"};
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (message.outcome >= counts_.size()) return;
-    ++counts_[message.outcome];
-    table_ << condition_ << ',' << scene_ << ','
-           << format("%.3f,%s,%s,%d,%.2f,%.2f,%.2f,%.2f,%.1f\n", message.header.stamp.toSec(),
-                     message.gripper.c_str(), names[message.outcome], message.fragment,
-                     1e3 * message.offset.x, 1e3 * message.offset.y, 1e3 * message.offset.z,
-                     1e3 * message.extent, message.tilt * 180.0 / M_PI)
-           << std::flush;
-  }
-  void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    for (const diagnostic_msgs::DiagnosticStatus& status : message.status)
-      for (const diagnostic_msgs::KeyValue& value : status.values) {
-        if (value.key == "cycles") cycles_ = std::strtoull(value.value.c_str(), nullptr, 10);
-        if (value.key == "late cycles")
-          late_cycles_ = std::strtoull(value.value.c_str(), nullptr, 10);
-      }
-  }
-
-  std::mutex mutex_;  // guards what follows
-  std::ofstream table_;
-  std::string condition_;
-  std::uint64_t scene_ = 0;
-  std::array<unsigned, 6> counts_{};
-  double clearance_ = std::numeric_limits<double>::infinity();
-  std::uint64_t cycles_ = 0, late_cycles_ = 0;
-  std::vector<ros::Subscriber> subscribers_;
-};
-
 class Experiment {
  public:
   Experiment(const DebridementParams& params, PrivateLaunch& launch, const Progress& progress)
@@ -161,22 +54,22 @@ class Experiment {
         launch_(launch),
         progress_(progress),
         spinner_(3),
-        eye_(kCamera, kSimulator),
-        witness_(params.folder) {
+        eye_("/field_camera", kSimulator),
+        witness_(kCamera, kSimulator, params.folder + "/grasps.csv") {
     spinner_.start();
-    std::vector<std::string> services{std::string(kCamera) + "/simulator/load_scene",
-                                      std::string(kCamera) + "/simulator/take_picture",
+    std::vector<std::string> services{std::string(kCamera) + "/load_scene",
+                                      std::string(kCamera) + "/take_picture",
                                       std::string(kSimulator) + "/pause"};
     for (unsigned i = 0; i < params.arms; ++i)
       for (const char* service :
            {"/recorder/start", "/recorder/stop", "/trainer/retrain", "/corrector/set_mode"})
-        services.push_back(std::string(kPlaces[i].name) + service);
+        services.push_back(std::string(placeOf(i).ns) + service);
     launch_.waitForServices(services);
     if (!ros::Time::waitForValid(ros::WallDuration(kClockTimeout)))
       throw std::runtime_error("the simulator does not publish /clock");
     for (unsigned i = 0; i < params.arms; ++i)
       arms_.push_back(
-          std::make_unique<DebridementArm>(kPlaces[i].name, "0_link", eye_, interrupted_));
+          std::make_unique<DebridementArm>(placeOf(i).ns, "0_link", eye_, interrupted_));
   }
   ~Experiment() { spinner_.stop(); }
 
@@ -190,6 +83,7 @@ class Experiment {
     const ros::Time simulated_begin = ros::Time::now();
     const ros::SteadyTime begin = ros::SteadyTime::now();
     for (unsigned i = 0; i < params_.arms; ++i) report.learning.push_back(learn(i));
+    learning_ = report.learning;
     for (const Manner& manner : kManners) {
       if (!isAskedFor(manner.name)) continue;
       report.conditions.push_back(work(manner));
@@ -198,7 +92,8 @@ class Experiment {
     report.stood = eye_.stood();
     report.clock_rate = (ros::Time::now() - simulated_begin).toSec() /
                         ((ros::SteadyTime::now() - begin).toSec() - report.stood);
-    std::tie(report.cycles, report.late_cycles) = witness_.cycles();
+    report.cycles = cycles_.total();
+    report.late_cycles = cycles_.late();
     return report;
   }
 
@@ -210,140 +105,81 @@ class Experiment {
   void tell(const std::string& phase, double fraction) {
     if (progress_) progress_(phase, fraction);
   }
-  /// @throws std::runtime_error  the node is gone, or it says that it did not succeed
-  template <typename Service>
-  typename Service::Response call(const std::string& name,
-                                  const typename Service::Request& request) {
-    typename Service::Response response;
-    const bool answered = ros::service::call(name, request, response);
-    launch_.requireAlive();
-    if (!answered) throw std::runtime_error(name + " did not answer");
-    if (!response.success) throw std::runtime_error(name + ": " + response.message);
-    return response;
-  }
-
-  DebridementTaskConfig taskOf(unsigned arm) const {
-    DebridementTaskConfig task;
-    task.X_base_field = fieldOf(params_.arms);
-    task.X_base_rest = {kPlaces[arm].p_base_receptacle, task.orientation.normalized()};
-    return task;
-  }
-
   /// Works in a thread per arm, while this one looks after the nodes.
+  /// @throws what was thrown first
   void together(const std::function<void(unsigned)>& job) {
     std::vector<std::thread> threads;
-    std::vector<std::exception_ptr> errors(params_.arms);
+    std::mutex mutex;
+    std::exception_ptr first;
+    const auto fail = [&] {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!first) first = std::current_exception();
+      interrupted_ = true;  // the other arm has nobody to share the field with
+    };
     std::atomic<unsigned> running{params_.arms};
     for (unsigned i = 0; i < params_.arms; ++i)
       threads.emplace_back([&, i] {
         try {
           job(i);
         } catch (...) {
-          errors[i] = std::current_exception();
-          interrupted_ = true;  // the other arm has nobody to share the field with
+          fail();
         }
         --running;
       });
-    std::exception_ptr failed;
     while (running > 0) {
       ros::WallDuration(0.05).sleep();
       try {
-        if (!failed) launch_.requireAlive();
+        if (!interrupted_) launch_.requireAlive();
       } catch (...) {
-        failed = std::current_exception();
-        interrupted_ = true;
+        fail();
       }
     }
     for (std::thread& thread : threads) thread.join();
-    if (failed) std::rethrow_exception(failed);
-    for (const std::exception_ptr& error : errors)
-      if (error) std::rethrow_exception(error);
+    if (first) std::rethrow_exception(first);
   }
 
-  /// Records motions to places where nothing lies, without correction, and learns from them.
   DebridementLearning learn(unsigned arm) {
-    const std::string ns = kPlaces[arm].name;
-    const auto fraction = [&](double share) {
-      return (0.3 * (arm + share)) / params_.arms;  // of the whole, roughly
+    LearningPlan plan;
+    plan.arm = arm;
+    plan.arms = params_.arms;
+    plan.rehearsals = params_.rehearsals;
+    plan.seed = params_.seed;
+    const auto alone = [&](const std::function<void()>& job) {
+      together([&](unsigned i) {
+        if (i == arm) job();  // the other one stays at home
+      });
     };
-    setMode(arm, "off");
-    // Measured once, the deviation at home is undone all the while: else the tool would learn of
-    // places as far from the field as it errs.
-    ArmMotion motion;
-    motion.replan_interval = kOnce;
-    arms_[arm]->use(motion);
-    arms_[arm]->measureAtRest();
-    StartRecording::Request start;
-    start.bag = "rehearsal.bag";
-    call<StartRecording>(ns + "/recorder/start", start);
-    RehearsalConfig rehearsal;
-    rehearsal.fragments = params_.rehearsals;
-    rehearsal.seed = kRehearsals + 10 * params_.seed + arm;
-    if (params_.arms > 1) {  // its own part, and as much as the tool may be off
-      rehearsal.half_size.x() = 0.045;
-      rehearsal.centre.x() = arm == 0 ? 0.020 : -0.020;
-    }
-    const KinematicChain robot = loadKinematicChain(packageFile(kPlaces[arm].robot));
-    const InverseKinematics ik(robot);
-    together([&](unsigned i) {
-      if (i != arm) return;  // it stays at home
-      rehearse(
-          taskOf(arm), rehearsal,
-          [&](const Pose& X) { return ik.solve(X, robot.home()).status == IkStatus::kOk; },
-          *arms_[arm],
-          [&](unsigned done) {
-            tell(ns.substr(7) + " arm: motions to learn from",
-                 fraction(0.8 * done / rehearsal.fragments));
-          });
-      arms_[arm]->move("park", taskOf(arm).X_base_rest, 0.0);
-    });
-    const StopRecording::Response stop = call<StopRecording>(ns + "/recorder/stop", {});
-    tell(ns.substr(7) + " arm: training", fraction(0.8));
-    Retrain::Request request;
-    request.bags = stop.bags;
-    const Retrain::Response learnt = call<Retrain>(ns + "/trainer/retrain", request);
-    if (!learnt.live)
-      throw std::runtime_error("the trained model did not go live: " + learnt.message);
-    waitForModel(ns + "/corrector", learnt.model, launch_);
-    DebridementLearning learning;
-    learning.arm = ns.substr(7);
-    learning.model = learnt.model;
-    learning.trajectories = kMotionsPerTwoPlaces * params_.rehearsals / 2;
-    learning.pairs = learnt.pairs_kept;
-    learning.before_mm = learnt.position_before_mm;
-    learning.after_mm = learnt.position_after_mm;
-    learning.before_deg = learnt.angle_before_deg;
-    learning.after_deg = learnt.angle_after_deg;
-    return learning;
-  }
-
-  void setMode(unsigned arm, const std::string& name) {
-    SetMode::Request mode;
-    mode.mode = name;
-    call<SetMode>(std::string(kPlaces[arm].name) + "/corrector/set_mode", mode);
+    return learnDebridement(plan, *arms_[arm], launch_, alone,
+                            [&](const std::string& phase, double fraction) {
+                              tell(phase, kLearning * (arm + fraction) / params_.arms);
+                            });
   }
 
   DebridementCondition work(const Manner& manner) {
     ArmMotion motion;
     motion.speed = manner.speed;
     motion.replan_interval = manner.replan_interval;
-    for (unsigned i = 0; i < params_.arms; ++i) setMode(i, manner.mode);
+    // What the last condition undid would be undone twice.
+    together([&](unsigned i) { arms_[i]->takeBack(); });
+    for (unsigned i = 0; i < params_.arms; ++i) setCorrectorMode(i, manner.mode, launch_);
     together([&](unsigned i) {
       arms_[i]->use(motion);
       if (manner.replan_interval > 0.0) arms_[i]->measureAtRest();
-      arms_[i]->move("move_to_start", taskOf(i).X_base_rest, 0.0);
+      arms_[i]->move("move_to_start", taskOf(i, params_.arms).X_base_rest, 0.0);
     });
     DebridementCondition condition;
     condition.name = manner.name;
     condition.speed = manner.speed;
     condition.replan_interval = manner.replan_interval;
-    condition.deviation_limit = manner.by_deviation ? params_.deviation_limit : 0.0;
+    if (manner.by_deviation)
+      condition.deviation_limit = params_.deviation_limit > 0.0 ? params_.deviation_limit : -1.0;
     witness_.begin(condition.name);
     unsigned fragments = 0;
     for (std::uint64_t k = 0; fragments < params_.fragments; ++k) {
       tell(condition.name,
-           0.3 + 0.7 * (&manner - kManners + static_cast<double>(fragments) / params_.fragments) /
-                     3.0);
+           kLearning +
+               (1.0 - kLearning) *
+                   (&manner - kManners + static_cast<double>(fragments) / params_.fragments) / 3.0);
       condition.fields.push_back(clear(manner, condition, kScenes * params_.seed + k));
       fragments += condition.fields.back().fragments;
     }
@@ -358,7 +194,7 @@ class Experiment {
     ClearedField field;
     field.seed = seed;
     field.fragments =
-        call<LoadScene>(std::string(kCamera) + "/simulator/load_scene", request).fragments;
+        callNode<LoadScene>(launch_, std::string(kCamera) + "/load_scene", request).fragments;
     witness_.begin(seed);
     FragmentBookConfig rules;
     rules.attempts = params_.attempts;
@@ -366,10 +202,10 @@ class Experiment {
     for (unsigned i = 0; i < params_.arms; ++i) {
       FieldPart part;
       if (params_.arms > 1) {
-        part.lower = kPlaces[i].lower;
-        part.upper = kPlaces[i].upper;
+        part.lower = placeOf(i).lower;
+        part.upper = placeOf(i).upper;
       }
-      part.p_field_home = kPlaces[i].p_base_receptacle - fieldOf(params_.arms).p;
+      part.p_field_home = placeOf(i).p_base_receptacle - fieldOf(params_.arms).p;
       parts.push_back(part);
     }
     FragmentBook book(rules, parts);
@@ -377,9 +213,10 @@ class Experiment {
     const double begin = ros::Time::now().toSec();
     double end = begin;
     together([&](unsigned i) {
-      DebridementTaskConfig config = taskOf(i);
+      DebridementTaskConfig config = taskOf(i, params_.arms);
       config.settle = manner.settle;
-      config.deviation_limit = condition.deviation_limit;
+      config.deviation_limit = condition.deviation_limit < 0.0 ? learning_[i].usual_prediction
+                                                               : condition.deviation_limit;
       DebridementTask task(config, i, *arms_[i], book);
       const std::vector<FragmentRecord> records = task.run();
       const std::lock_guard<std::mutex> lock(mutex);
@@ -390,7 +227,7 @@ class Experiment {
     field.seconds = end - begin;
     // The camera answers after it has judged the last jaws; what it says of them is on its way
     // then.
-    call<std_srvs::Trigger>(std::string(kCamera) + "/simulator/take_picture", {});
+    callNode<std_srvs::Trigger>(launch_, std::string(kCamera) + "/take_picture", {});
     ros::WallDuration(kOnItsWay).sleep();
     field.held = witness_.count(GraspResult::HELD);
     field.missed = witness_.count(GraspResult::MISSED);
@@ -405,7 +242,9 @@ class Experiment {
   std::atomic<bool> interrupted_{false};
   ros::AsyncSpinner spinner_;
   FieldEye eye_;
-  Witness witness_;
+  DebridementWitness witness_;
+  SimulatorCycles cycles_;
+  std::vector<DebridementLearning> learning_;  // by arm
   std::vector<std::unique_ptr<DebridementArm>> arms_;
 };
 
@@ -421,9 +260,9 @@ void checkDebridement(const DebridementParams& params) {
   if (!(params.clock_rate > 0.0 && params.clock_rate <= 20.0))
     throw InvalidInput(
         format("clock rate = %g is outside (0, 20] simulated s per s", params.clock_rate));
-  if (!(params.deviation_limit > 0.0 && params.deviation_limit <= 0.1))
+  if (!(params.deviation_limit >= 0.0 && params.deviation_limit <= 0.1))
     throw InvalidInput(
-        format("deviation limit = %g m is outside (0, 0.1]", params.deviation_limit));
+        format("deviation limit = %g m is outside [0, 0.1]", params.deviation_limit));
   for (const std::string& name : params.conditions)
     if (std::none_of(std::begin(kManners), std::end(kManners),
                      [&](const Manner& manner) { return name == manner.name; }))
@@ -447,9 +286,9 @@ DebridementReport runDebridement(const DebridementParams& params, const Progress
   const Eigen::Vector3d field = fieldOf(params.arms).p;
   arguments.push_back(format("field_position:=[%g, %g, %g]", field.x(), field.y(), field.z()));
   if (params.arms == 1) {
-    const Eigen::Vector3d& p = kPlaces[0].p_base_receptacle;
+    const Eigen::Vector3d& p = placeOf(0).p_base_receptacle;
     arguments.emplace_back("two_arms:=false");
-    arguments.push_back(format("grippers:=[%s]", kPlaces[0].name));
+    arguments.push_back(format("grippers:=[%s]", placeOf(0).ns));
     arguments.push_back(format("receptacles:=[%g, %g, %g]", p.x(), p.y(), p.z()));
   }
   if (!params.configuration.empty())

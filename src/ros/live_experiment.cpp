@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/live_experiment.h"
 
-#include <diagnostic_msgs/DiagnosticArray.h>
-#include <ros/ros.h>
-
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
@@ -17,7 +14,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kModelTimeout = 20.0;  // [s, real]
+constexpr double kModelTimeout = 20.0;                   // [s, real]
+constexpr char kController[] = "simulator: controller";  // ending of its name in /diagnostics
+
+bool endsWith(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
 
 }  // namespace
 
@@ -55,6 +58,33 @@ void waitForModel(const std::string& corrector, const std::string& model, Privat
           format("%s did not take model %s into use", corrector.c_str(), model.c_str()));
     ros::WallDuration(0.05).sleep();
   }
+}
+
+SimulatorCycles::SimulatorCycles()
+    : subscriber_(ros::NodeHandle().subscribe<diagnostic_msgs::DiagnosticArray>(
+          "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
+            onDiagnostics(*message);
+          })) {}
+
+void SimulatorCycles::onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const diagnostic_msgs::DiagnosticStatus& status : message.status) {
+    if (!endsWith(status.name, kController)) continue;
+    for (const diagnostic_msgs::KeyValue& value : status.values) {
+      if (value.key == "cycles") total_ = std::strtoull(value.value.c_str(), nullptr, 10);
+      if (value.key == "late cycles") late_ = std::strtoull(value.value.c_str(), nullptr, 10);
+    }
+  }
+}
+
+std::uint64_t SimulatorCycles::total() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return total_;
+}
+
+std::uint64_t SimulatorCycles::late() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return late_;
 }
 
 }  // namespace raven_correction

@@ -21,20 +21,8 @@ struct Arguments {
   std::string json, output, report;
 };
 
-void run(const Arguments& arguments) {
-  checkOutputFile(arguments.json, true);
-  checkOutputFile(arguments.report, true);
-  DebridementParams params = arguments.params;
-  checkDebridement(params);
-  params.folder = experimentFolder("debridement", arguments.output);
-  DebridementReport report = runDebridement(params, showProgress);
-  if (arguments.output.empty()) {
-    std::filesystem::remove_all(params.folder);
-    report.folder.clear();
-  }
-  std::fputs(debridementText(report).c_str(), stdout);
-  if (!arguments.json.empty()) writeTextFile(arguments.json, debridementJson(report));
-  if (arguments.report.empty()) return;
+void writeReport(const Arguments& arguments, const DebridementParams& params,
+                 const DebridementReport& report) {
   RunRecord record = recordRun({});
   record.settings = {{"fragments", std::to_string(params.fragments)},
                      {"arms", std::to_string(params.arms)},
@@ -42,6 +30,20 @@ void run(const Arguments& arguments) {
                      {"attempts", std::to_string(params.attempts)},
                      {"seed", std::to_string(params.seed)}};
   writeTextFile(arguments.report, debridementHtml(report, record));
+}
+
+void run(const Arguments& arguments) {
+  checkOutputFile(arguments.json, true);
+  checkOutputFile(arguments.report, true);
+  DebridementParams params = arguments.params;
+  checkDebridement(params);
+  params.folder = experimentFolder("debridement", arguments.output);
+  DebridementReport report = runDebridement(params, showProgress);
+  if (arguments.output.empty()) report.folder.clear();
+  if (!arguments.json.empty()) writeTextFile(arguments.json, debridementJson(report));
+  std::fputs(debridementText(report).c_str(), stdout);
+  if (!arguments.report.empty()) writeReport(arguments, params, report);
+  if (arguments.output.empty()) std::filesystem::remove_all(params.folder);
 }
 
 }  // namespace
@@ -63,14 +65,17 @@ void addDebridementExperiment(CLI::App& experiment) {
                       format("that share the field; default %u", params.arms));
   command->add_option(
       "--rehearsals", params.rehearsals,
-      format("places of which each arm learns before, without correction; default %u",
+      format("places of which each arm learns, with what it learnt at half as many places without "
+             "correction before; default %u",
              params.rehearsals));
   command->add_option("--attempts", params.attempts,
                       format("until a fragment is given up; default %u", params.attempts));
   command->add_option(
       "--deviation-limit", params.deviation_limit,
       format("corrected_replanning measures the tool pose where a larger deviation is "
-             "predicted, one standard deviation of the position [m]; default %g",
+             "predicted, one standard deviation of the position [m]; default %g: more than at "
+             "three in "
+             "four of the places that it tried",
              params.deviation_limit));
   command->add_option("--condition", params.conditions,
                       "baseline, corrected or corrected_replanning, or some of them; default: all");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/repeatability_experiment.h"
 
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/console.h>
 #include <ros/ros.h>
 
@@ -47,10 +46,6 @@ class Ear {
           const std::lock_guard<std::mutex> lock(mutex_);
           ++codes_[correctorCodeName(static_cast<CorrectorCode>(message->code))];
         }));
-    subscribers_.push_back(nh.subscribe<diagnostic_msgs::DiagnosticArray>(
-        "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& message) {
-          onDiagnostics(*message);
-        }));
     spinner_.start();
   }
   ~Ear() { spinner_.stop(); }
@@ -68,14 +63,7 @@ class Ear {
     const std::lock_guard<std::mutex> lock(mutex_);
     return codes_;
   }
-  std::uint64_t cycles() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return cycles_;
-  }
-  std::uint64_t lateCycles() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return late_cycles_;
-  }
+  const SimulatorCycles& cycles() const noexcept { return cycles_; }
 
  private:
   void onProgress(const WorkProgress& message) {
@@ -83,28 +71,14 @@ class Ear {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (progress_ && !phase_.empty()) progress_(phase_, from_ + message.fraction * (to_ - from_));
   }
-  void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message) {
-    const std::string ending = "simulator: controller";
-    for (const diagnostic_msgs::DiagnosticStatus& status : message.status) {
-      if (status.name.size() < ending.size() ||
-          status.name.compare(status.name.size() - ending.size(), ending.size(), ending) != 0)
-        continue;
-      const std::lock_guard<std::mutex> lock(mutex_);
-      for (const diagnostic_msgs::KeyValue& value : status.values) {
-        if (value.key == "cycles") cycles_ = std::strtoull(value.value.c_str(), nullptr, 10);
-        if (value.key == "late cycles")
-          late_cycles_ = std::strtoull(value.value.c_str(), nullptr, 10);
-      }
-    }
-  }
 
   const Progress& progress_;
   std::mutex mutex_;  // guards what follows
   std::string phase_;
   double from_ = 0.0, to_ = 0.0;
   std::map<std::string, std::uint64_t> codes_;
-  std::uint64_t cycles_ = 0, late_cycles_ = 0;
   // Last: callbacks use all of the above.
+  SimulatorCycles cycles_;
   std::vector<ros::Subscriber> subscribers_;
   ros::AsyncSpinner spinner_;
 };
@@ -155,8 +129,8 @@ class Experiment {
 
     report.clock_rate =
         (ros::Time::now() - simulated_begin).toSec() / (ros::SteadyTime::now() - begin).toSec();
-    report.cycles = ear_.cycles();
-    report.late_cycles = ear_.lateCycles();
+    report.cycles = ear_.cycles().total();
+    report.late_cycles = ear_.cycles().late();
     return report;
   }
 
@@ -172,16 +146,10 @@ class Experiment {
     for (const std::size_t i : order_) targets_.push_back(poseToMsg(poses[i]));
   }
 
-  /// @throws std::runtime_error  the node is gone, or it says that it did not succeed
   template <typename Service>
   typename Service::Response call(const std::string& name,
                                   const typename Service::Request& request) {
-    typename Service::Response response;
-    const bool answered = ros::service::call(nh_.resolveName(name), request, response);
-    launch_.requireAlive();
-    if (!answered) throw std::runtime_error(nh_.resolveName(name) + " did not answer");
-    if (!response.success) throw std::runtime_error(name + ": " + response.message);
-    return response;
+    return callNode<Service>(launch_, nh_.resolveName(name), request);
   }
 
   /// The planner's motions in one bag.

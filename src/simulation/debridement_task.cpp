@@ -27,14 +27,15 @@ DebridementTask::DebridementTask(const DebridementTaskConfig& config, std::size_
                                  DebridementCell& cell, FragmentBook& book)
     : config_(config), arm_(arm), cell_(cell), book_(book) {
   if (!(config.turn_limit >= 0.0 && config.round >= 1.0 && config.hover >= 0.0 &&
-        config.settle >= 0.0 && config.retry_turn >= 0.0 && config.jaw_time >= 0.0 &&
-        config.waiting > 0.0 && config.deviation_limit >= 0.0))
+        config.settle >= 0.0 && config.retry_turn >= 0.0 && config.retry_shift >= 0.0 &&
+        config.jaw_time >= 0.0 && config.waiting > 0.0 && config.deviation_limit >= 0.0))
     throw InvalidInput(format(
         "debridement task: turn_limit = %g rad, hover = %g m, settle = %g s, retry_turn = %g "
-        "rad, jaw_time = %g s, deviation_limit = %g m must be >= 0, waiting = %g s > 0, round = %g "
+        "rad, retry_shift = %g m, jaw_time = %g s, deviation_limit = %g m must be >= 0, waiting = "
+        "%g s > 0, round = %g "
         ">= 1",
-        config.turn_limit, config.hover, config.settle, config.retry_turn, config.jaw_time,
-        config.deviation_limit, config.waiting, config.round));
+        config.turn_limit, config.hover, config.settle, config.retry_turn, config.retry_shift,
+        config.jaw_time, config.deviation_limit, config.waiting, config.round));
   config_.orientation.normalize();  // it is given in rounded numbers
 }
 
@@ -46,10 +47,16 @@ Pose DebridementTask::graspPose(const FragmentSighting& fragment, unsigned faile
   const double turn = std::remainder(
       std::atan2(axis.y(), axis.x()) + M_PI_2 - std::atan2(across.y(), across.x()), M_PI);
   const bool has_direction = fragment.length > config_.round * fragment.width;
-  const double limited = std::clamp(turn, -config_.turn_limit, config_.turn_limit);
-  const double otherwise[] = {0.0, config_.retry_turn, -config_.retry_turn};
-  return {config_.X_base_field * fragment.p_field,
-          turned(config_, (has_direction ? limited : 0.0) + otherwise[failed % 3])};
+  const double limited =
+      has_direction ? std::clamp(turn, -config_.turn_limit, config_.turn_limit) : 0.0;
+  const double inwards = limited > 0.0 ? -1.0 : 1.0;  // first where the limit does not matter
+  const double side[] = {0.0, inwards, -inwards};     // of an attempt after so many others
+  const double otherwise = side[failed % 3];
+  const Eigen::Quaterniond orientation =
+      turned(config_, std::clamp(limited + otherwise * config_.retry_turn, -config_.turn_limit,
+                                 config_.turn_limit));
+  const Eigen::Vector3d shift(0.0, otherwise * config_.retry_shift, 0.0);
+  return {config_.X_base_field * fragment.p_field + orientation * shift, orientation};
 }
 
 /// @return the fragment, if it is still seen where it lay
@@ -64,14 +71,15 @@ std::optional<FragmentSighting> DebridementTask::attempt(const FragmentSighting&
   record.predicted = std::max(record.predicted, predicted);
   const bool missed = record.attempts > 1;  // so the prediction was wrong
   if (config_.deviation_limit > 0.0 && (predicted > config_.deviation_limit || missed)) {
-    cell_.replanHere();
-    ++record.replans;
+    record.replans += cell_.replanHere();
   }
   cell_.setJaw(config_.jaw_closed, config_.jaw_time);
   cell_.move("check_pickup", above(grasp, config_.hover), 0.0);
-  const FieldPicture picture = cell_.look();
-  book_.see(picture);
-  return book_.stillThere(arm_, picture);
+  const FieldPicture before = std::move(looked_);
+  looked_ = cell_.look();
+  book_.see(looked_);
+  took_neighbour_ = book_.tookNeighbour(arm_, before, looked_);
+  return book_.stillThere(arm_, looked_);
 }
 
 void DebridementTask::workOn(const FragmentBook::Choice& choice, FragmentRecord& record) {
@@ -80,9 +88,15 @@ void DebridementTask::workOn(const FragmentBook::Choice& choice, FragmentRecord&
   FragmentSighting fragment = choice.fragment;
   while (const std::optional<FragmentSighting> left = attempt(fragment, record)) {
     fragment = *left;
-    if (!book_.failed(arm_)) continue;
-    // Empty, but the other arm may need the room.
-    cell_.move("move_empty", config_.X_base_rest, 0.0);
+    const bool given_up = book_.failed(arm_);
+    if (took_neighbour_) {
+      cell_.move("move_holding", config_.X_base_rest, 0.0);
+      cell_.setJaw(config_.jaw_open, config_.jaw_time);
+    } else if (given_up) {
+      // Empty, but the other arm may need the room.
+      cell_.move("move_empty", config_.X_base_rest, 0.0);
+    }
+    if (!given_up) continue;
     record.end = cell_.now();
     return;
   }
@@ -96,14 +110,15 @@ std::vector<FragmentRecord> DebridementTask::run() {
   std::vector<FragmentRecord> records;
   cell_.move("move_to_start", config_.X_base_rest, 0.0);
   cell_.setJaw(config_.jaw_open, config_.jaw_time);
-  book_.see(cell_.look());
+  looked_ = cell_.look();
+  book_.see(looked_);
   for (;;) {
     const FragmentBook::Choice choice = book_.choose(arm_);
     if (choice.next == FragmentBook::Next::kNothing) return records;
-    if (choice.next == FragmentBook::Next::kWait) {
+    if (choice.next != FragmentBook::Next::kWork) {
       const double begin = cell_.now();
       cell_.wait(config_.waiting);
-      waited_ += cell_.now() - begin;
+      if (choice.next == FragmentBook::Next::kWait) waited_ += cell_.now() - begin;
       continue;
     }
     records.emplace_back();

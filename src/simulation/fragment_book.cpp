@@ -11,10 +11,12 @@ namespace raven_correction {
 FragmentBook::FragmentBook(const FragmentBookConfig& config, std::vector<FieldPart> parts)
     : config_(config), parts_(std::move(parts)), claims_(parts_.size()) {
   if (parts_.empty()) throw InvalidInput("fragment book: no arm");
-  if (!(config.same >= 0.0 && config.separation >= 0.0 && config.attempts > 0))
+  if (!(config_.same >= 0.0 && config_.separation >= 0.0 && config_.reach >= 0.0 &&
+        config_.attempts > 0))
     throw InvalidInput(
-        format("fragment book: same = %g m and separation = %g m must be >= 0, attempts = %u > 0",
-               config.same, config.separation, config.attempts));
+        format("fragment book: same = %g m, separation = %g m and reach = %g m must be >= 0, "
+               "attempts = %u > 0",
+               config_.same, config_.separation, config_.reach, config_.attempts));
 }
 
 void FragmentBook::see(const FieldPicture& picture) {
@@ -58,7 +60,12 @@ FragmentBook::Choice FragmentBook::choose(std::size_t arm) {
     best = &fragment;
     best_rank = rank;
   }
-  if (best == nullptr) return choice;
+  if (best == nullptr) {
+    for (std::size_t other = 0; other < claims_.size(); ++other)
+      if (other != arm && claims_[other] && choice.next == Next::kNothing)
+        choice.next = Next::kIdle;
+    return choice;
+  }
   choice.next = Next::kWork;
   choice.fragment = *best;
   choice.tried = std::get<1>(best_rank);
@@ -73,6 +80,24 @@ std::optional<FragmentSighting> FragmentBook::stillThere(std::size_t arm,
   for (const FragmentSighting& fragment : picture.fragments)
     if ((fragment.p_field - claims_[arm]->p_field).norm() <= config_.same) return fragment;
   return std::nullopt;
+}
+
+bool FragmentBook::tookNeighbour(std::size_t arm, const FieldPicture& before,
+                                 const FieldPicture& after) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!claims_.at(arm)) return false;
+  const Eigen::Vector3d& own = claims_[arm]->p_field;
+  const auto isAmong = [&](const FragmentSighting& fragment, const FieldPicture& picture) {
+    return std::any_of(picture.fragments.begin(), picture.fragments.end(),
+                       [&](const FragmentSighting& other) {
+                         return (other.p_field - fragment.p_field).norm() <= config_.same;
+                       });
+  };
+  return std::any_of(
+      before.fragments.begin(), before.fragments.end(), [&](const FragmentSighting& fragment) {
+        const double away = (fragment.p_field - own).norm();
+        return away > config_.same && away <= config_.reach && !isAmong(fragment, after);
+      });
 }
 
 bool FragmentBook::failed(std::size_t arm) {

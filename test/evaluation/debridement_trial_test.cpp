@@ -49,7 +49,7 @@ TEST(DebridementTrial, SpeedUpIsOfTheSameScenes) {
     slow.push_back(fieldOf(seed, 6, 6, seconds));
     fast.push_back(fieldOf(seed, 6, 6, seconds / 4.0 + (seed % 2 == 0 ? 1.0 : -1.0)));
   }
-  const SpeedUp result = speedUp(slow, fast, 1);
+  const PairedComparison result = *speedUp(slow, fast, 1);
   EXPECT_NEAR(result.value, 4.0, 0.05);
   EXPECT_LT(result.interval.lower, result.value);
   EXPECT_GT(result.interval.upper, result.value);
@@ -57,7 +57,36 @@ TEST(DebridementTrial, SpeedUpIsOfTheSameScenes) {
   EXPECT_LT(result.interval.upper - result.interval.lower, 0.4);
   fast[3].seed = 99;
   EXPECT_THROW(speedUp(slow, fast, 1), InvalidInput);
-  EXPECT_THROW(speedUp({fieldOf(1, 5, 5, 9.0)}, {fieldOf(1, 5, 0, 9.0)}, 1), InvalidInput);
+}
+
+// A condition that delivered nothing is not left out, and loses no result.
+TEST(DebridementTrial, NothingDeliveredIsNoSpeedAtAll) {
+  const std::vector<ClearedField> some{fieldOf(1, 5, 5, 9.0)}, none{fieldOf(1, 5, 0, 9.0)};
+  EXPECT_EQ(speedUp(some, none, 1)->value, 0.0);
+  EXPECT_EQ(speedUp(some, none, 1)->interval.upper, 0.0);
+  EXPECT_FALSE(speedUp(none, some, 1));
+  EXPECT_FALSE(speedUp(none, none, 1));
+}
+
+TEST(DebridementTrial, SuccessIsComparedInTheSameScenes) {
+  std::vector<ClearedField> reference, same, worse;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const unsigned delivered = 4 + seed % 3;  // scenes differ more than conditions
+    reference.push_back(fieldOf(seed, 6, delivered, 9.0));
+    same.push_back(fieldOf(seed, 6,
+                           seed == 4   ? delivered + 1
+                           : seed == 8 ? delivered - 1
+                                       : delivered,
+                           9.0));
+    worse.push_back(fieldOf(seed, 6, delivered - 1, 9.0));
+  }
+  const PairedComparison equal = successDifference(reference, same, 1);
+  EXPECT_DOUBLE_EQ(equal.value, 0.0);
+  EXPECT_LT(equal.interval.lower, 0.0);
+  EXPECT_GT(equal.interval.upper, 0.0);
+  const PairedComparison lower = successDifference(reference, worse, 1);
+  EXPECT_NEAR(lower.value, -1.0 / 6.0, 1e-12);
+  EXPECT_LT(lower.interval.upper, -0.1);
 }
 
 }  // namespace

@@ -52,9 +52,10 @@ class FakeCell : public DebridementCell {
   }
   void wait(double duration) override { time += duration; }
   double predictedDeviation() override { return predicted; }
-  void replanHere() override {
+  bool replanHere() override {
     ++replans;
     tool.p -= lasting_error;
+    return true;
   }
 
   std::vector<FragmentSighting> fragments;
@@ -73,6 +74,7 @@ DebridementTaskConfig config() {
   DebridementTaskConfig config;
   config.X_base_rest.p = {0.0, 0.05, 0.07};
   config.X_base_rest.q = config.orientation.normalized();
+  config.retry_shift = 0.001;  // less than the jaw of the fake cell forgives
   return config;
 }
 
@@ -135,6 +137,27 @@ TEST(DebridementTask, OneFailureCostsOneRetry) {
   EXPECT_EQ(arm.released.size(), 1u);
 }
 
+// The jaw takes what lies beside the fragment: that is carried away, and the fragment tried again.
+TEST(DebridementTask, CarriesAwayANeighbourThatItTookInstead) {
+  struct Sideways : FakeCell {
+    void move(const char* kind, const Pose& X, double dwell) override {
+      FakeCell::move(kind, X, dwell);
+      if (std::string(kind) == "grasp" && !wrong) tool.p.x() += 0.008, wrong = true;
+    }
+    bool wrong = false;
+  } arm;
+  arm.fragments = {sightingAt(0.0, 0.0), sightingAt(0.008, 0.0)};
+  DebridementTaskConfig task = config();
+  task.X_base_rest.p = {-0.05, 0.0, 0.07};  // so that the one on the left is the first
+  FragmentBook book({}, {{-1.0, 1.0, task.X_base_rest.p}});
+  const std::vector<FragmentRecord> records = DebridementTask(task, 0, arm, book).run();
+  EXPECT_TRUE(arm.fragments.empty());
+  ASSERT_EQ(arm.released.size(), 2u);
+  for (const Eigen::Vector3d& p : arm.released) EXPECT_LT((p - task.X_base_rest.p).norm(), 1e-9);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].attempts, 2u);
+}
+
 TEST(DebridementTask, ReplansWhereALargeDeviationIsPredictedAndAfterAMiss) {
   for (const bool sure : {true, false}) {
     FakeCell cell;
@@ -176,15 +199,38 @@ TEST(DebridementTask, ClosesAcrossTheLongAxisAsFarAsTheLimitAllows) {
   EXPECT_NEAR(std::abs(across(straight + 0.9, 0.010)), M_PI_2 - 0.2, 1e-9);
   EXPECT_NEAR(std::abs(across(straight - 0.9, 0.010)), M_PI_2 - 0.2, 1e-9);
   // After a miss it comes turned otherwise.
-  const FragmentSighting fragment = sightingAt(0.01, 0.02);
+  FragmentSighting fragment = sightingAt(0.01, 0.02);
+  fragment.yaw = straight;
   const auto turnOf = [&](unsigned failed) {
     const Eigen::AngleAxisd turn(task.graspPose(fragment, failed).q *
                                  task.graspPose(fragment).q.conjugate());
     return turn.angle() * turn.axis().z();
   };
-  EXPECT_NEAR(turnOf(1), config().retry_turn, 1e-9);
-  EXPECT_NEAR(turnOf(2), -config().retry_turn, 1e-9);
+  EXPECT_NEAR(std::abs(turnOf(1)), config().retry_turn, 1e-9);
+  EXPECT_NEAR(turnOf(2), -turnOf(1), 1e-9);
   EXPECT_NEAR(turnOf(3), 0.0, 1e-9);
+  // At the limit only inwards, on either side.
+  for (const double yaw : {straight + 0.9, straight - 0.9}) {
+    FragmentSighting turned = sightingAt(0.01, 0.02);
+    turned.yaw = yaw;
+    turned.length = 0.010;
+    for (unsigned failed = 0; failed < 4; ++failed) {
+      const Eigen::AngleAxisd turn(task.graspPose(turned, failed).q *
+                                   config().orientation.normalized().conjugate());
+      EXPECT_LE(turn.angle(), config().turn_limit + 1e-9) << failed;
+    }
+    const Eigen::AngleAxisd inwards(task.graspPose(turned, 1).q *
+                                    task.graspPose(turned).q.conjugate());
+    EXPECT_NEAR(inwards.angle(), config().retry_turn, 1e-9);
+  }
+  const auto shiftOf = [&](unsigned failed) {
+    const Pose there = task.graspPose(fragment, failed);
+    return Eigen::Vector3d(there.q.conjugate() * (there.p - task.graspPose(fragment).p));
+  };
+  // To the side, across the jaw; its own turn has moved the axis.
+  EXPECT_NEAR(std::abs(shiftOf(1).y()), config().retry_shift, 1e-12);
+  EXPECT_NEAR((shiftOf(1) + shiftOf(2)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(shiftOf(3), Eigen::Vector3d(0.0, 0.0, 0.0));
   // Nearly round: there is nothing to turn to.
   EXPECT_NEAR(std::abs(across(straight + 0.3, 0.0062)), M_PI_2 - 0.3, 1e-9);
 }
@@ -235,6 +281,9 @@ TEST(FragmentBook, ArmsKeepToTheirPartsAndApart) {
   // An older picture does not bring back what is gone.
   book.see({3.0, {near}});
   book.see({2.5, {left, near, far}});
+  // The other arm still works, and may drop something here.
+  EXPECT_EQ(book.choose(0).next, Next::kIdle);
+  book.leave(1);
   EXPECT_EQ(book.choose(0).next, Next::kNothing);
   book.leave(0);
   EXPECT_EQ(book.choose(1).fragment.p_field, near.p_field);

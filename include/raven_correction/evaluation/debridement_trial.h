@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,12 +45,20 @@ struct DebridementSummary {
 /// @throws InvalidInput  no scene
 DebridementSummary summarise(const std::vector<ClearedField>& fields, std::uint64_t seed);
 
-struct SpeedUp {
-  double value = 0.0;  ///< seconds per fragment of `slow` over those of `fast`
-  Interval interval;   ///< 95 %, bootstrap over scenes, the same ones drawn for both
+/// How two conditions differ in the same scenes. The interval is of these scenes and these models:
+/// arms that learn again differ, too.
+struct PairedComparison {
+  double value = 0.0;
+  Interval interval;  ///< 95 %, bootstrap over scenes, the same ones drawn for both
 };
-/// @throws InvalidInput  not the same scenes, or nothing was delivered
-SpeedUp speedUp(const std::vector<ClearedField>& slow, const std::vector<ClearedField>& fast,
-                std::uint64_t seed);
+/// Seconds per fragment of `slow` over those of `fast`: 0 where `fast` delivered nothing.
+/// @return nothing where `slow` delivered nothing
+/// @throws InvalidInput  not the same scenes
+std::optional<PairedComparison> speedUp(const std::vector<ClearedField>& slow,
+                                        const std::vector<ClearedField>& fast, std::uint64_t seed);
+/// Success of `other` less that of `reference` [-].
+/// @throws InvalidInput  not the same scenes
+PairedComparison successDifference(const std::vector<ClearedField>& reference,
+                                   const std::vector<ClearedField>& other, std::uint64_t seed);
 
 }  // namespace raven_correction

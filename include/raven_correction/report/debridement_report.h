@@ -16,17 +16,28 @@ struct DebridementCondition {
   std::string name;              ///< baseline, corrected or corrected_replanning
   double speed = 0.0;            ///< peak [m/s]
   double replan_interval = 0.0;  ///< 0: open loop [s]
-  double deviation_limit = 0.0;  ///< replans where more is predicted; 0: never [m]
+  /// Replans where more is predicted [m]; 0: never; below 0: each arm by its own
+  /// DebridementLearning::usual_prediction.
+  double deviation_limit = 0.0;
   std::vector<ClearedField> fields;
   double clearance = 0.0;  ///< smallest distance of the instruments; infinite for one [m]
 };
 
 struct DebridementLearning {
   std::string arm;
-  std::string model;  ///< id
-  unsigned trajectories = 0, pairs = 0;
+  std::string model;                         ///< id
+  unsigned places = 0;                       ///< of its last rehearsal
+  unsigned pairs = 0;                        ///< of command and observation in it, after cleaning
   double before_mm = 0.0, after_mm = 0.0;    ///< held-out, norm of mean absolute errors
   double before_deg = 0.0, after_deg = 0.0;  ///< likewise
+  unsigned trial_places = 0;  ///< like those of the task, visited with the correction
+  /// There, at rest, by motion capture: the mean deviation, base frame, and the mean of its length
+  /// [m]; nan without any.
+  Eigen::Vector3d trial_mean = Eigen::Vector3d::Zero();
+  double trial_deviation = 0.0;
+  /// One standard deviation of the position as the correction predicts it, that of three in four of
+  /// these places at most [m].
+  double usual_prediction = 0.0;
 };
 
 struct DebridementReport {
@@ -50,6 +61,8 @@ std::string debridementText(const DebridementReport& report);
 /// "arm_seconds_per_fragment", "seconds", "waited_seconds", "speed_cm_per_s", "replan_interval_s",
 /// "deviation_limit_mm", "smallest_distance_mm" (null for one arm), "scenes": [...]},
 /// "speedup", "speedup_interval": [lo, hi], "speedup_replanning", "speedup_replanning_interval",
+/// "success_difference_percent", "success_difference_interval_percent": [lo, hi] (corrected less
+/// baseline, same scenes), the same with "_replanning",
 /// "paper": {...}, "arms", "seed", "training": [...], "simulator": {...}, "folder"}
 std::string debridementJson(const DebridementReport& report);
 

@@ -30,6 +30,8 @@ struct ArmMotion {
   double replan_interval = 0.0;  ///< between two measurements of the tool pose [s]; 0: none
   double window = 0.15;          ///< in which motion capture is looked at [s]
   ReplanConfig replan;
+  unsigned replans_at_rest = 3;  ///< measurements of replanHere() at most
+  double near_enough = 5e-4;     ///< it ends with one that changes no more than this [m]
 };
 
 /// Moves in the thread of the caller; callbacks come from a spinner.
@@ -45,7 +47,13 @@ class DebridementArm : public DebridementCell {
   /// The next motions are of this kind; what was measured before is forgotten.
   void use(const ArmMotion& motion);
   /// Measures the deviation at rest, before the first motion.
+  /// @throws std::runtime_error  motion capture does not tell it
   void measureAtRest();
+  /// Undoes no deviation any more: the tool goes where it errs to.
+  void takeBack();
+  /// How far the tool at rest is from what was asked for last, by motion capture [m], base frame;
+  /// nothing where that does not tell it.
+  std::optional<Eigen::Vector3d> deviation();
   const ros::NodeHandle& handle() const noexcept { return nh_; }
   unsigned measurements() const noexcept { return measurements_; }
 
@@ -55,12 +63,13 @@ class DebridementArm : public DebridementCell {
   FieldPicture look() override;
   void wait(double duration) override;
   double predictedDeviation() override;
-  void replanHere() override;
+  bool replanHere() override;
 
  private:
   void onMocap(const geometry_msgs::PoseStamped& message);
   void stream(PoseStream motion);
   void send(const StampedPose& desired);
+  PoseStream seenSince(double stamp);
   bool measure(double now);
   void announce(const char* kind, bool begins, double stamp, const Pose& target);
   Pose start();
@@ -81,7 +90,8 @@ class DebridementArm : public DebridementCell {
   std::mutex mutex_;     // guards what follows
   PoseStream observed_;  // of the last seconds, base frame
   std::optional<Pose> setpoint_;
-  double predicted_ = 0.0;  // [m]
+  double predicted_ = 0.0;        // [m]
+  double predicted_stamp_ = 0.0;  // of the pose that it is of [s]
 
   Registration registration_;
   ros::NodeHandle nh_;

@@ -14,13 +14,14 @@
 namespace raven_correction {
 
 struct DebridementParams {
-  unsigned fragments = 60;              ///< at least, in each condition, >= 1
-  unsigned arms = 2;                    ///< 1 or 2
-  unsigned rehearsals = 120;            ///< places of which each arm learns, >= 5
-  unsigned attempts = 4;                ///< until a fragment is given up, >= 1
-  std::uint32_t seed = 1;               ///< of scenes, rehearsals and noise
-  double clock_rate = 3.0;              ///< simulated seconds per real second, at most, > 0
-  double deviation_limit = 0.002;       ///< of the condition that replans by itself [m]
+  unsigned fragments = 60;    ///< at least, in each condition, >= 1
+  unsigned arms = 2;          ///< 1 or 2
+  unsigned rehearsals = 120;  ///< places of which each arm learns in the end, >= 5
+  unsigned attempts = 4;      ///< until a fragment is given up, >= 1
+  std::uint32_t seed = 1;     ///< of scenes, rehearsals and noise
+  double clock_rate = 3.0;    ///< simulated seconds per real second, at most, > 0
+  /// Of the condition that replans by itself [m]; 0: DebridementLearning::usual_prediction.
+  double deviation_limit = 0.0;
   std::vector<std::string> conditions;  ///< some of the three; empty: all
   std::string folder;  ///< exists; bags, models, grasps.csv and the nodes' log are written there
   std::string configuration;  ///< of the trainer; empty: config/trainer.yaml

@@ -2,7 +2,13 @@
 // What the experiments share that start nodes on a ROS master of their own (private_launch.h).
 #pragma once
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <ros/ros.h>
+
 #include <CLI/App.hpp>
+#include <cstdint>
+#include <mutex>
+#include <stdexcept>
 #include <string>
 
 #include "raven_correction/ros/private_launch.h"
@@ -22,5 +28,36 @@ std::string experimentFolder(const std::string& experiment, const std::string& o
 /// @param corrector  resolved name of the node
 /// @throws std::runtime_error  it does not say so within 20 s (real), or the nodes have ended
 void waitForModel(const std::string& corrector, const std::string& model, PrivateLaunch& launch);
+
+/// Calls a service of one of the nodes.
+/// @param name  resolved
+/// @throws std::runtime_error  the nodes have ended, it did not answer, or it says that it did not
+///         succeed
+template <typename Service>
+typename Service::Response callNode(PrivateLaunch& launch, const std::string& name,
+                                    const typename Service::Request& request) {
+  typename Service::Response response;
+  const bool answered = ros::service::call(name, request, response);
+  launch.requireAlive();
+  if (!answered) throw std::runtime_error(name + " did not answer");
+  if (!response.success) throw std::runtime_error(name + ": " + response.message);
+  return response;
+}
+
+/// What the simulator says of its cycles in /diagnostics: whether the machine kept up. Thread-safe;
+/// needs somebody who spins.
+class SimulatorCycles {
+ public:
+  SimulatorCycles();
+  std::uint64_t total() const;
+  std::uint64_t late() const;
+
+ private:
+  void onDiagnostics(const diagnostic_msgs::DiagnosticArray& message);
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::uint64_t total_ = 0, late_ = 0;
+  ros::Subscriber subscriber_;  // last: its callback uses all of the above
+};
 
 }  // namespace raven_correction

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Debridement by one arm, step by step: choose a fragment, go over it, down, close the jaw, up,
-// look whether it is gone, carry it to the receptacle; or try again. Knows neither ROS nor a
+// look whether it is gone, or its neighbour instead, carry what is held to the receptacle; or try
+// again. Knows neither ROS nor a
 // simulator: what it sees and moves is an interface. Motions without fragments are
 // debridement_motion.h.
 #pragma once
@@ -32,7 +33,8 @@ class DebridementCell {
   /// position as the correction predicts it [m]; 0 if nobody predicts it.
   virtual double predictedDeviation() = 0;
   /// Measures how far the tool at rest is from the pose that was asked for last, and undoes it.
-  virtual void replanHere() = 0;
+  /// @return false: it could not be measured
+  virtual bool replanHere() = 0;
 };
 
 struct DebridementTaskConfig {
@@ -49,6 +51,7 @@ struct DebridementTaskConfig {
   double jaw_time = 0.45;        ///< for the jaw to open or to close [s]
   double waiting = 0.2;          ///< between two looks at what the other arm does [s]
   double retry_turn = 0.3;       ///< further attempts are turned by it, to and fro [rad]
+  double retry_shift = 0.002;    ///< and go that much to either side, across the jaw [m]
   double deviation_limit = 0.0;  ///< replan where more is predicted, and after a miss [m]; 0: never
 };
 
@@ -58,7 +61,7 @@ struct FragmentRecord {
   double begin = 0.0;                                 ///< [s]
   double end = 0.0;                                   ///< it was let go, or given up [s]
   unsigned attempts = 0;
-  unsigned replans = 0;    ///< because of a large predicted deviation
+  unsigned replans = 0;    ///< because of a large predicted deviation, or after a miss
   double predicted = 0.0;  ///< largest predicted deviation at an attempt [m]
   bool picked = false;     ///< the planner believes that it was picked up
 };
@@ -75,8 +78,8 @@ class DebridementTask {
   std::vector<FragmentRecord> run();
   /// Where the tool goes for a fragment: to its centre, closing across its long axis, or, beyond
   /// turn_limit, as near to that as the limit allows. A robot that errs in the same way again would
-  /// miss again, so further attempts are turned otherwise: by retry_turn, back, straight, and so
-  /// on.
+  /// miss again, so further attempts are turned and shifted: by retry_turn and retry_shift, first
+  /// towards the middle of what turn_limit allows, then the other way, then not at all, and so on.
   /// @param failed  attempts so far
   Pose graspPose(const FragmentSighting& fragment, unsigned failed = 0) const;
   double waited() const noexcept { return waited_; }  ///< for the other arm [s]
@@ -89,6 +92,8 @@ class DebridementTask {
   std::size_t arm_;
   DebridementCell& cell_;
   FragmentBook& book_;
+  FieldPicture looked_;  // the last time
+  bool took_neighbour_ = false;
   double waited_ = 0.0;
 };
 

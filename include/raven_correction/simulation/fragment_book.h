@@ -38,6 +38,7 @@ struct FieldPart {
 struct FragmentBookConfig {
   double same = 0.0025;       ///< what is seen no further from there is the same fragment [m]
   double separation = 0.030;  ///< between the fragments that two arms work on, seen from above [m]
+  double reach = 0.012;       ///< a jaw that closes may take what lies no further from there [m]
   unsigned attempts = 4;      ///< in vain, until a fragment is given up, >= 1
 };
 
@@ -55,7 +56,8 @@ class FragmentBook {
   enum class Next {
     kWork,    ///< here is one, and it is this arm's until leave()
     kWait,    ///< the other arm works too near to what is left
-    kNothing  ///< nothing is left in this arm's part
+    kIdle,    ///< nothing is left in this arm's part, but what the other drops or uncovers may be
+    kNothing  ///< nothing is left in this arm's part, and nobody works
   };
   struct Choice {
     Next next = Next::kNothing;
@@ -67,6 +69,9 @@ class FragmentBook {
   Choice choose(std::size_t arm);
   /// The arm's fragment in a picture, if it still lies there.
   std::optional<FragmentSighting> stillThere(std::size_t arm, const FieldPicture& picture) const;
+  /// Whether another fragment than the arm's own, within reach of its jaw, has gone between two
+  /// pictures: the jaw has taken that one.
+  bool tookNeighbour(std::size_t arm, const FieldPicture& before, const FieldPicture& after) const;
   /// The attempt on the arm's fragment was in vain. @return true if it is given up now
   bool failed(std::size_t arm);
   /// The arm has left the field.
