@@ -180,11 +180,41 @@ TrainingPairs makePairs(const Dataset& dataset, const TrainingConfig& config, do
       pairs.samples.push_back({k, trajectory.observations.samples[pair.sample].pose, pair.command,
                                speeds[pair.sample].twists[0], speeds[pair.sample].step});
       pairs.motions.push_back(motions[pair.sample]);
+      pairs.rows.push_back(pair.sample);
     }
+    pairs.observations.push_back(trajectory.observations.samples);
     pairs.fates += trajectory.fates;
     pairs.identity_commands += trajectory.identity_commands;
   }
   return pairs;
+}
+
+void followPlayWithoutOutliers(TrainingPairs& pairs, const std::vector<Fate>& fates,
+                               const MotionOptions& options) {
+  if (!hasPlay(options)) return;
+  std::vector<std::vector<bool>> out(pairs.observations.size());
+  for (std::size_t k = 0; k < out.size(); ++k) out[k].resize(pairs.observations[k].size(), false);
+  for (std::size_t i = 0; i < fates.size(); ++i)
+    if (fates[i] == Fate::kSpeed || fates[i] == Fate::kAngularSpeed ||
+        fates[i] == Fate::kLeastMedian)
+      out[pairs.samples[i].trajectory][pairs.rows[i]] = true;
+  MotionEstimator estimator(options);
+  std::size_t next = 0;  // pairs are by trajectory, then by row
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    PoseStream believed;
+    std::vector<std::size_t> place(out[k].size(), 0);
+    for (std::size_t row = 0; row < out[k].size(); ++row) {
+      place[row] = believed.size();
+      if (!out[k][row]) believed.push_back(pairs.observations[k][row]);
+    }
+    const std::vector<Motion> motions = motionsOf(believed, options, estimator);
+    for (; next < fates.size() && pairs.samples[next].trajectory == k; ++next) {
+      const std::size_t row = pairs.rows[next];
+      if (out[k][row]) continue;
+      pairs.motions[next].play = motions[place[row]].play;
+      pairs.motions[next].joint_play = motions[place[row]].joint_play;
+    }
+  }
 }
 
 TrainingResult train(const Dataset& dataset, const TrainingConfig& config, double now,
@@ -199,7 +229,7 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
   model.speed_delay = speedDelayOf(dataset, config);
   if (config.simulation) result.simulation = config.simulation->name;
   if (config.simulation) model.physics = physicsOf(*config.simulation, dataset, model.delay);
-  const TrainingPairs pairs = makePairs(dataset, config, model.delay);
+  TrainingPairs pairs = makePairs(dataset, config, model.delay);
   result.fates = pairs.fates;
   result.identity_commands = pairs.identity_commands;
 
@@ -211,6 +241,7 @@ TrainingResult train(const Dataset& dataset, const TrainingConfig& config, doubl
     result.least_median_scale = cleaned.least_median_scale;
     result.fates[Fate::kKept] = 0;
     result.fates += cleaned.counts;
+    followPlayWithoutOutliers(pairs, fates, config.motion);
   }
 
   for (std::size_t i = 0; i < pairs.samples.size(); ++i)

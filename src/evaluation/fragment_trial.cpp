@@ -32,6 +32,15 @@ FragmentMatch compare(const VisibleFragment& fragment, const FragmentDetection& 
   return match;
 }
 
+/// Seen from above, the outline taken for an ellipse.
+bool liesOn(const FragmentDetection& detection, const FragmentTruth& fragment) {
+  const Eigen::Vector2d along(std::cos(fragment.yaw), std::sin(fragment.yaw));
+  const Eigen::Vector2d off = (detection.p_field - fragment.p_field).head<2>();
+  const double u = off.dot(along) / (0.5 * fragment.length);
+  const double v = (along.x() * off.y() - along.y() * off.x()) / (0.5 * fragment.width);
+  return u * u + v * v <= 1.0;
+}
+
 }  // namespace
 
 double FragmentScore::foundShare() const {
@@ -73,7 +82,14 @@ void scoreDetections(const std::vector<VisibleFragment>& truth,
   ++score.scenes;
   score.fragments += static_cast<int>(truth.size());
   score.detections += static_cast<int>(detections.size());
-  score.false_detections += static_cast<int>(std::count(used.begin(), used.end(), false));
+  std::vector<bool> taken = found;  // by a detection, near or not
+  for (std::size_t j = 0; j < detections.size(); ++j) {
+    if (used[j]) continue;
+    std::size_t i = 0;
+    while (i < truth.size() && (taken[i] || !liesOn(detections[j], truth[i].truth))) ++i;
+    ++(i < truth.size() ? score.displaced : score.false_detections);
+    if (i < truth.size()) taken[i] = true;
+  }
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const double visible = std::min(truth[i].visible_left, truth[i].visible_right);
     if (visible < kHalf) continue;

@@ -73,8 +73,8 @@ std::string fragmentText(const FragmentScore& score) {
   text += format("  partly covered   %d of %d found\n", score.overlapped_found, score.overlapped);
   text += format("  within 1 mm      %.2f %%\n", kPercent * score.withinShare(kLimit));
   text += format("  fitted outline   %d of %d within 1 mm\n", s.hidden_within, s.hidden);
-  text +=
-      format("  false            %d of %d detections\n", score.false_detections, score.detections);
+  text += format("  false            %d of %d detections; %d more on a fragment, but too far off\n",
+                 score.false_detections, score.detections, score.displaced);
   text += format("  error            median %.2f, 95 %% %.2f, largest %.2f mm\n",
                  kMillimetre * quantile(s.errors, 0.5), kMillimetre * quantile(s.errors, 0.95),
                  kMillimetre * quantile(s.errors, 1.0));
@@ -103,6 +103,7 @@ std::string fragmentJson(const FragmentScore& score) {
   json["overlapped_found"] = score.overlapped_found;
   json["detections"] = score.detections;
   json["false_detections"] = score.false_detections;
+  json["displaced_detections"] = score.displaced;
   json["found_percent"] = kPercent * score.foundShare();
   json["within_1mm_percent"] = kPercent * score.withinShare(kLimit);
   json["error_mm"] = {{"median", kMillimetre * quantile(s.errors, 0.5)},

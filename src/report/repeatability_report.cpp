@@ -3,27 +3,12 @@
 
 #include <limits>
 
+#include "paper_table_two.h"
 #include "raven_correction/error.h"
 #include "report_json.h"
 
 namespace raven_correction {
 namespace {
-
-/// Table II of Mahler et al. 2014, tx, ty, tz [mm].
-struct PaperCondition {
-  const char* name;
-  double mean_abs[3];
-  double std[3];
-};
-constexpr PaperCondition kPaper[] = {{"none", {20.3, 13.0, 22.8}, {0.8, 2.5, 2.9}},
-                                     {"full", {1.5, 4.9, 2.4}, {1.1, 1.5, 1.4}},
-                                     {"endpoint", {2.0, 3.0, 1.0}, {0.9, 1.0, 0.7}}};
-
-const PaperCondition* paperOf(const std::string& name) {
-  for (const PaperCondition& condition : kPaper)
-    if (name == condition.name) return &condition;
-  return nullptr;
-}
 
 Json listJson(const Eigen::Matrix<double, 6, 1>& values, int first) {
   Json list = Json::array();
@@ -86,7 +71,7 @@ std::string repeatabilityText(const RepeatabilityReport& report) {
     text += format("  %-5s %-4s", kVariables[v], unitName(v));
     for (const RepeatabilityCondition& condition : report.conditions) {
       const RepeatabilityResult& result = condition.result;
-      const PaperCondition* const paper = v < 3 ? paperOf(condition.name) : nullptr;
+      const PaperCondition* const paper = v < 3 ? paperConditionOf(condition.name) : nullptr;
       text += format("  %5.2f +- %-4.2f", unitOf(v) * result.errors.mean_abs(v),
                      unitOf(v) * result.repeatability(v));
       text += paper == nullptr ? format("%11s", "")
@@ -132,7 +117,7 @@ std::string repeatabilityJson(const RepeatabilityReport& report) {
   json["paper"] = Json::object();
   for (const RepeatabilityCondition& condition : report.conditions)
     json["conditions"][condition.name] = conditionJson(condition);
-  for (const PaperCondition& condition : kPaper)
+  for (const PaperCondition& condition : kPaperTableTwo)
     json["paper"][condition.name] = {{"mean_abs_mm", condition.mean_abs},
                                      {"std_mm", condition.std}};
   json["full_over_none"] = correctedShare(report);

@@ -159,6 +159,7 @@ class Experiment {
     ArmMotion motion;
     motion.speed = manner.speed;
     motion.replan_interval = manner.replan_interval;
+    motion.replan.corrected = std::string(manner.mode) != "off";
     // What the last condition undid would be undone twice.
     together([&](unsigned i) { arms_[i]->takeBack(); });
     for (unsigned i = 0; i < params_.arms; ++i) setCorrectorMode(i, manner.mode, launch_);

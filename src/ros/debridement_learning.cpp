@@ -148,7 +148,9 @@ class Learner {
     tell("training", 0.8);
     // What was undone for the rehearsal is for the correction to undo from now on.
     alone_([&] { arm_.takeBack(); });
-    arm_.use(ArmMotion());
+    ArmMotion corrected;
+    corrected.replan.corrected = true;
+    arm_.use(corrected);
     Retrain::Request request;
     request.bags = stop.bags;
     request.force = true;  // what it knew before was learnt elsewhere

@@ -7,6 +7,7 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/report/repeatability_report.h"
+#include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/repeatability_experiment.h"
@@ -18,21 +19,28 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   RepeatabilityParams params;
-  std::string json, output;
+  std::string json, output, report;
 };
 
 void run(const Arguments& arguments) {
   checkOutputFile(arguments.json, true);
+  checkOutputFile(arguments.report, true);
   RepeatabilityParams params = arguments.params;
   checkRepeatability(params);
   params.folder = experimentFolder("repeatability", arguments.output);
   RepeatabilityReport report = runRepeatability(params, showProgress);
-  if (arguments.output.empty()) {
-    fs::remove_all(params.folder);
-    report.folder.clear();
-  }
-  std::fputs(repeatabilityText(report).c_str(), stdout);
+  if (arguments.output.empty()) report.folder.clear();
   if (!arguments.json.empty()) writeTextFile(arguments.json, repeatabilityJson(report));
+  std::fputs(repeatabilityText(report).c_str(), stdout);
+  if (!arguments.report.empty()) {
+    RunRecord record = recordRun({});
+    record.settings = {{"poses", std::to_string(params.poses)},
+                       {"visits of each", std::to_string(params.visits)},
+                       {"motions to learn from", std::to_string(params.trajectories)},
+                       {"seed", std::to_string(params.seed)}};
+    writeTextFile(arguments.report, repeatabilityHtml(report, record));
+  }
+  if (arguments.output.empty()) fs::remove_all(params.folder);
 }
 
 }  // namespace
@@ -63,6 +71,7 @@ void addRepeatabilityExperiment(CLI::App& experiment) {
   command->add_option("--output", arguments->output,
                       "keep bags, model and log in this folder (empty or new)");
   command->add_option("--json", arguments->json, "write the numbers as JSON");
+  command->add_option("--report", arguments->report, "write a page with figures (HTML, one file)");
   command->callback([arguments] { run(*arguments); });
 }
 

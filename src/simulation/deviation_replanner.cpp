@@ -56,7 +56,8 @@ bool DeviationReplanner::measure(const PoseStream& commands, const PoseStream& o
   }
   const bool jumped = (measured.d - to_.d).norm() > config_.jump ||
                       (measured.r - to_.r).norm() > config_.jump_angle;
-  if (measurements_ > 0 && jumped && ++jumps_ < config_.jumps_believed) return false;
+  const bool expected = measurements_ > 0 || config_.corrected;
+  if (expected && jumped && ++jumps_ < config_.jumps_believed) return false;
   jumps_ = 0;
   from_ = at(time);
   to_ = measured;

@@ -3,6 +3,7 @@
 // be in one file of a program only.
 #include "correction/corrector_fixture.h"
 #include "raven_correction/correction/path_follower.h"
+#include "raven_correction/correction/training_config.h"
 #include "robot/robots.h"
 #include "support/allocation_guard.h"
 
@@ -139,6 +140,32 @@ TEST_F(CorrectorTest, NorDoesItWithPhysicsAsTheMean) {
     allocations = guard.count();
   }
   EXPECT_EQ(allocations, 0);
+}
+
+// Inverse kinematics of every pose, and of the pose ahead.
+TEST_F(CorrectorTest, NorDoesItWithThePlayOfTheJoints) {
+  const auto desired = [](int i) {
+    return Pose{{-0.02 + 1e-4 * i, -0.06, -0.14}, {0.5, -0.5, 0.5, 0.5}};
+  };
+  MotionOptions motion;
+  knowRobot("config/robots/raven2_left.yaml", motion);
+  const Correction model = simpleModel(VelocityKind::kPast, desired(0), Pose(), motion);
+  ASSERT_TRUE(hasJointPlay(model.motion));
+  Corrector corrector(looseLimits());
+  corrector.setModel(model);
+  corrector.setMode(CorrectorMode::kFull);
+  corrector.correct(stampOf(0), stampOf(0), desired(0), false);
+  int allocations = 0, corrected = 0;
+  for (int i = 1; i < 100; ++i) {
+    const Lookahead ahead{stampOf(i + 5), desired(i + 5)};
+    const AllocationGuard guard;
+    corrected +=
+        corrector.correct(stampOf(i), stampOf(i), desired(i), false, i % 2 == 0 ? &ahead : nullptr)
+            .code == CorrectorCode::kCorrected;
+    allocations += guard.count();
+  }
+  EXPECT_EQ(allocations, 0);
+  EXPECT_GT(corrected, 90);
 }
 
 TEST_F(CorrectorTest, NorDoesItWithAPathAhead) {

@@ -83,13 +83,14 @@ class Repeatability(unittest.TestCase):
         self.assertTrue(until(lambda: not processes_of(self.output)), f"still running: {processes_of(self.output)}")
 
     def test_numbers_come_from_the_nodes(self):
-        numbers = self.folder / "numbers.json"
-        process = self.start(json=numbers, seed=4)
+        numbers, page = self.folder / "numbers.json", self.folder / "page.html"
+        process = self.start(json=numbers, report=page, seed=4)
         text, errors = process.communicate(timeout=300)
         self.assertEqual(process.returncode, 0, errors)
         self.assertEqual(processes_of(self.output), [])
         result = json.loads(numbers.read_text(encoding="utf-8"))
         self.assertEqual(list(result["conditions"]), ["none", "full", "endpoint"])
+        self.assertIn("The correction leaves", page.read_text(encoding="utf-8"))
         for name, condition in result["conditions"].items():
             for key in ("mean_abs_mm", "std_mm", "abs_std_mm", "mean_abs_deg", "std_deg"):
                 self.assertEqual(len(condition[key]), 3, f"{name} {key}")

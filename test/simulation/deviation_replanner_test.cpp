@@ -78,6 +78,32 @@ TEST(DeviationReplanner, DoesNotBelieveASingleJump) {
   EXPECT_TRUE(replanner.measure(session.commands, session.observed, 3.5)) << "they all say so";
 }
 
+// A corrected tool is where it should be: LEDs that are taken for one another must not drive it away.
+TEST(DeviationReplanner, ExpectsNothingOfACorrectedTool) {
+  const Pose desired{{0.01, 0.02, -0.16}, expRotation({0.3, 1.0, -0.4})};
+  const Tool wrong;  // by 27 mm
+  Tool near;
+  near.d = {0.001, 0.0, -0.001};
+  near.r.setZero();
+  ReplanConfig config;
+  config.corrected = true;
+  DeviationReplanner replanner(config);
+  Session session;
+  session.run(replanner, desired, wrong, 0.0);
+  EXPECT_FALSE(replanner.measure(session.commands, session.observed, 0.5));
+  EXPECT_EQ(replanner.command(desired, 5.0).p, desired.p);
+  session.run(replanner, desired, near, 1.0);
+  EXPECT_TRUE(replanner.measure(session.commands, session.observed, 1.5));
+  EXPECT_NEAR((replanner.translation() - near.d).norm(), 0.0, 1e-12);
+  replanner.forget(2.0);  // another place
+  session.run(replanner, desired, wrong, 3.0);
+  EXPECT_FALSE(replanner.measure(session.commands, session.observed, 3.5));
+  // Not a tool that nobody corrects: there the first measurement is what is undone.
+  DeviationReplanner uncorrected({});
+  session.run(uncorrected, desired, wrong, 4.0);
+  EXPECT_TRUE(uncorrected.measure(session.commands, session.observed, 4.5));
+}
+
 TEST(DeviationReplanner, NeedsObservationsBetweenCommands) {
   DeviationReplanner replanner({});
   Session session;

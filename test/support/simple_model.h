@@ -22,7 +22,8 @@ inline Eigen::Matrix<double, 6, 1> fieldAt(const Pose& after_rigid) {
 inline Correction simpleModel(VelocityKind velocity = VelocityKind::kCausal,
                               const Pose& centre = Pose(),
                               const Pose& rigid = {{0.01, -0.005, 0.008},
-                                                   expRotation({0.05, -0.02, 0.1})}) {
+                                                   expRotation({0.05, -0.02, 0.1})},
+                              const MotionOptions& motion_options = {}) {
   Correction model;
   model.id = "simple";
   model.version = "test";
@@ -30,6 +31,7 @@ inline Correction simpleModel(VelocityKind velocity = VelocityKind::kCausal,
   model.trained_at = 1000.0;
   model.delay = 0.1;
   model.rigid = rigid;
+  model.motion = motion_options;
   model.motion.velocity = velocity;
   model.trust.workspace_min = centre.p.array() - 0.05;
   model.trust.workspace_max = centre.p.array() + 0.05;

@@ -23,11 +23,20 @@ struct TrainingPairs {
   std::vector<Motion> motions;  ///< of the observations, same order
   FateCounts fates;             ///< of all observation samples; kept = samples.size()
   std::size_t identity_commands = 0;
+  std::vector<PoseStream> observations;  ///< by trajectory, those without a command, too
+  std::vector<std::size_t> rows;         ///< of each sample in its trajectory's observations
 };
 
 /// Synchronised pairs with the motion of each observation.
 /// @throws InvalidInput  see synchronise()
 TrainingPairs makePairs(const Dataset& dataset, const TrainingConfig& config, double delay);
+
+/// Follows the play of the pairs' motions anew, past what cleaning takes for a fault of motion
+/// capture: one wrong frame turns joints far past their play, and leaves them on its wrong side
+/// until each has moved that far. Live there are no such frames, as commands are followed.
+/// @param fates  of the pairs, same order
+void followPlayWithoutOutliers(TrainingPairs& pairs, const std::vector<Fate>& fates,
+                               const MotionOptions& options);
 
 /// Where the tool was seen in one pair, and what cleaning made of it.
 struct PlacedSample {

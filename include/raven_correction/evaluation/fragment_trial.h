@@ -32,7 +32,9 @@ struct FragmentScore {
   int overlapped = 0;  ///< of half_visible: of these, less than 95 % visible in one
   int overlapped_found = 0;
   int detections = 0;
-  int false_detections = 0;  ///< that belong to no fragment, or to one that has a nearer one
+  int false_detections = 0;  ///< that lie on no fragment, or on one that has a nearer one
+  int displaced = 0;  ///< detections that lie on a fragment, further than `reach` from its centre,
+                      ///< which has no other: neither found nor false
   std::vector<FragmentMatch> matches;  ///< of the found ones that are half visible
   std::vector<double> detection_time;  ///< of each pair of images [s]
 
@@ -41,7 +43,8 @@ struct FragmentScore {
 };
 
 /// Detections and fragments are paired by distance, the nearest first, up to `reach`; each counts
-/// once.
+/// once. Of what is left, a detection whose centre is above the outline of a fragment (an ellipse)
+/// that is left, too, is displaced; all others are false.
 /// @param reach  [m]
 void scoreDetections(const std::vector<VisibleFragment>& truth,
                      const std::vector<FragmentDetection>& detections, double reach,

@@ -17,7 +17,7 @@ struct FragmentDetectorConfig {
   double field_depth = 0.08;     ///< along its y [m]
   double height_min = 0.001;     ///< of a fragment's centre above the platform
   double height_max = 0.015;     ///< [m]
-  double length_min = 0.003;     ///< of a fragment's outline from above [m]
+  double length_min = 0.005;     ///< of a fragment's outline from above [m]
   double length_max = 0.016;     ///< a longer one is split or refused [m]
   double thickness_min = 0.003;  ///< of a fragment as it lies flat [m]
   double thickness_max = 0.006;  ///< what is higher lies on another one [m]

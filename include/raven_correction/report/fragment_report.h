@@ -13,7 +13,8 @@ namespace raven_correction {
 std::string fragmentText(const FragmentScore& score);
 
 /// {"scenes", "fragments", "half_visible", "half_visible_found", "overlapped", "overlapped_found",
-/// "detections", "false_detections", "found_percent", "within_1mm_percent", "error_mm": {"median",
+/// "detections", "false_detections", "displaced_detections", "found_percent", "within_1mm_percent",
+/// "error_mm": {"median",
 /// "p95", "largest"}, "normalised_error2", "inside_95_percent", "yaw": {"fragments",
 /// "within_10deg_percent", "rms_normalised"}, "detection_ms": {"median", "p95"}}
 std::string fragmentJson(const FragmentScore& score);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Table II of the paper with its numbers beside ours: a table for people, JSON for programs. The
-// numbers are made in evaluation/repeatability.h.
+// Table II of the paper with its numbers beside ours: a table for people, JSON for programs, a page
+// with figures. The numbers are made in evaluation/repeatability.h.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "raven_correction/evaluation/repeatability.h"
+#include "raven_correction/report/run_record.h"
 
 namespace raven_correction {
 
@@ -45,5 +46,7 @@ std::string repeatabilityText(const RepeatabilityReport& report);
 /// "late_percent", "clock_rate"}, "folder"}. std is the repeatability, abs_std the deviation of the
 /// absolute errors of all visits; order x, y, z and yaw, pitch, roll.
 std::string repeatabilityJson(const RepeatabilityReport& report);
+
+std::string repeatabilityHtml(const RepeatabilityReport& report, const RunRecord& run);
 
 }  // namespace raven_correction
