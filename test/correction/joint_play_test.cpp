@@ -177,7 +177,8 @@ TEST(JointPlay, OutliersOfTheTrainingDoNotDragIt) {
   EXPECT_GT(off(kLast), 0.5);
   followPlayWithoutOutliers(pairs, fates, options);
   for (std::size_t i = 0; i < kFirst; ++i) EXPECT_LT(off(i), 1e-12) << i;
-  for (std::size_t i = kLast; i < kSamples; ++i) EXPECT_LT(off(i), 0.3) << i;
+  // What was not seen meanwhile counts as a straight move, for as long as it takes to move again.
+  for (std::size_t i = kLast + 10; i < kSamples; ++i) EXPECT_LT(off(i), 0.3) << i;
   EXPECT_LT(off(kSamples - 1), 0.1);
   // What a motion was before and after is not changed.
   for (std::size_t i = 0; i < kSamples; ++i) EXPECT_EQ(pairs.motions[i].pose.p, seen[i].pose.p);
