@@ -32,7 +32,7 @@ class Debridement(unittest.TestCase):
     def call(self, **changes):
         config = self.folder / "quick.yaml"
         config.write_text(QUICK, encoding="utf-8")
-        options = {"fragments": 1, "arms": 1, "rehearsals": 25, "condition": "corrected", "config": config,
+        options = {"fragments": 1, "arms": 1, "rehearsals": 16, "condition": "corrected", "config": config,
                    "output": self.output, "clock-rate": 4,
                    **{name.replace("_", "-"): value for name, value in changes.items()}}
         words = [word for name, value in options.items() for word in (f"--{name}", str(value))]

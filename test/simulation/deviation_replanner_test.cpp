@@ -78,7 +78,8 @@ TEST(DeviationReplanner, DoesNotBelieveASingleJump) {
   EXPECT_TRUE(replanner.measure(session.commands, session.observed, 3.5)) << "they all say so";
 }
 
-// A corrected tool is where it should be: LEDs that are taken for one another must not drive it away.
+// A corrected tool is where it should be: LEDs that are taken for one another must not drive it
+// away.
 TEST(DeviationReplanner, ExpectsNothingOfACorrectedTool) {
   const Pose desired{{0.01, 0.02, -0.16}, expRotation({0.3, 1.0, -0.4})};
   const Tool wrong;  // by 27 mm

@@ -19,8 +19,8 @@ struct ReplanConfig {
   double jump = 0.015;          ///< [m]
   double jump_angle = 0.5;      ///< [rad]
   unsigned jumps_believed = 3;  ///< so many of them in a row are believed
-  /// The tool is corrected already, so that nothing is what the first measurement is expected to say:
-  /// a large deviation is a fault then, too.
+  /// The tool is corrected already, so that nothing is what the first measurement is expected to
+  /// say: a large deviation is a fault then, too.
   bool corrected = false;
 };
 
