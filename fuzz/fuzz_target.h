@@ -97,11 +97,15 @@ inline void writeCorpus(const std::filesystem::path& folder) {
 }  // namespace fuzz
 }  // namespace raven_correction
 
-/// libFuzzer calls this before it looks at its arguments. A first argument that is a file is an
-/// input to be read again.
+/// libFuzzer calls this before it looks at its arguments. What is no option is the folder of the
+/// corpus, or a file: an input to be read again.
 extern "C" int LLVMFuzzerInitialize(const int* count, char*** arguments) {
-  if (*count > 1 && (*arguments)[1][0] != '-' && !std::filesystem::is_regular_file((*arguments)[1]))
-    raven_correction::fuzz::writeCorpus((*arguments)[1]);
+  for (int i = 1; i < *count; ++i) {
+    const char* const argument = (*arguments)[i];
+    if (argument[0] == '-') continue;
+    if (!std::filesystem::is_regular_file(argument)) raven_correction::fuzz::writeCorpus(argument);
+    break;
+  }
   return 0;
 }
 
