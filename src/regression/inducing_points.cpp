@@ -76,11 +76,13 @@ std::vector<Eigen::Index> chooseInducingPoints(KernelType kernel, const Eigen::M
                       });
     block.resize(std::size_t(size));
     kernelMatrix(kernel, points, selectColumns(points, block), columns);
-    Eigen::MatrixXd block_factor(size, k);
-    for (Eigen::Index s = 0; s < size; ++s)
-      block_factor.row(s) = factor.row(block[std::size_t(s)]).head(k);
-    multiply(Transpose::kNo, Transpose::kYes, n, size, k, -1.0, factor.data(), n,
-             block_factor.data(), size, 1.0, columns.data(), n);
+    if (k > 0) {  // rows of a matrix without columns are nowhere
+      Eigen::MatrixXd block_factor(size, k);
+      for (Eigen::Index s = 0; s < size; ++s)
+        block_factor.row(s) = factor.row(block[std::size_t(s)]).head(k);
+      multiply(Transpose::kNo, Transpose::kYes, n, size, k, -1.0, factor.data(), n,
+               block_factor.data(), size, 1.0, columns.data(), n);
+    }
     // Points of the block one by one, as long as they are about as uncertain as the best of all.
     const Eigen::Index start = k;
     while (k < count) {
