@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "raven_correction/error.h"
+#include "raven_correction/report/number_table.h"
 #include "raven_correction/ros/arm_kinematics.h"
 #include "raven_correction/ros/command_record.h"
 
@@ -44,6 +45,21 @@ void writeTextFile(const std::string& file, const std::string& text) {
   out << text;
   out.close();
   if (!out) throw InvalidInput(format("%s: cannot be written", file.c_str()));
+}
+
+void addNumberOptions(CLI::App& command, NumberFiles& files) {
+  command.add_option("--json", files.json, "write the numbers as JSON");
+  command.add_option("--csv", files.csv, "write the same numbers as a table (CSV)");
+}
+
+void checkNumberFiles(const NumberFiles& files) {
+  checkOutputFile(files.json, true);
+  checkOutputFile(files.csv, true);
+}
+
+void writeNumbers(const NumberFiles& files, const std::string& json) {
+  if (!files.json.empty()) writeTextFile(files.json, json);
+  if (!files.csv.empty()) writeTextFile(files.csv, csvOfJson(json));
 }
 
 CheckedInputs readTrusted(const std::vector<std::string>& inputs,

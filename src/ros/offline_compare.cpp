@@ -13,18 +13,18 @@ namespace raven_correction {
 namespace {
 
 struct Arguments {
-  std::string before, after, json, bag, model;
+  std::string before, after, bag, model;
+  NumberFiles numbers;
   double rest = 0.3;
   double max_ratio = 0.0;
 };
 
 void compare(const Arguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   const VisitComparison comparison = compareVisits(readVisits(arguments.before, arguments.rest),
                                                    readVisits(arguments.after, arguments.rest));
   std::fputs(visitsText(comparison).c_str(), stdout);
-  if (!arguments.json.empty())
-    writeTextFile(arguments.json, visitsJson(comparison, arguments.bag, arguments.model));
+  writeNumbers(arguments.numbers, visitsJson(comparison, arguments.bag, arguments.model));
   if (!(arguments.max_ratio > 0.0)) return;
   const ErrorSummary& before = comparison.summary_before;
   const ErrorSummary& after = comparison.summary_after;
@@ -50,7 +50,7 @@ void addCompareCommand(CLI::App& app) {
                       "duration before the end of a trajectory in which the tool is at rest [s]");
   command->add_option("--max-ratio", arguments->max_ratio,
                       "exit with 1 unless both norms after are below this share of those before");
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--bag", arguments->bag, "name of the training bag, for the JSON");
   command->add_option("--model", arguments->model, "name of the model file, for the JSON");
   command->callback([arguments] { compare(*arguments); });

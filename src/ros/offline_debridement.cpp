@@ -18,7 +18,8 @@ namespace {
 
 struct Arguments {
   DebridementParams params;
-  std::string json, output, report;
+  std::string output, report;
+  NumberFiles numbers;
 };
 
 void writeReport(const Arguments& arguments, const DebridementParams& params,
@@ -33,14 +34,14 @@ void writeReport(const Arguments& arguments, const DebridementParams& params,
 }
 
 void run(const Arguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   checkOutputFile(arguments.report, true);
   DebridementParams params = arguments.params;
   checkDebridement(params);
   params.folder = experimentFolder("debridement", arguments.output);
   DebridementReport report = runDebridement(params, showProgress);
   if (arguments.output.empty()) report.folder.clear();
-  if (!arguments.json.empty()) writeTextFile(arguments.json, debridementJson(report));
+  writeNumbers(arguments.numbers, debridementJson(report));
   std::fputs(debridementText(report).c_str(), stdout);
   if (!arguments.report.empty()) writeReport(arguments, params, report);
   if (arguments.output.empty()) std::filesystem::remove_all(params.folder);
@@ -89,7 +90,7 @@ void addDebridementExperiment(CLI::App& experiment) {
       "--output", arguments->output,
       "keep bags, models, every grasp (grasps.csv) and log in this folder (empty or "
       "new)");
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--report", arguments->report, "write a page with figures (HTML, one file)");
   command->callback([arguments] { run(*arguments); });
 }

@@ -17,13 +17,14 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string simulation, output, json, report, hold_out;
+  std::string simulation, output, report, hold_out;
+  NumberFiles numbers;
   DiagnosisJob job;
 };
 
 void diagnoseInput(const Arguments& arguments) {
   checkOutputFile(arguments.output, false);
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   checkOutputFile(arguments.report, true);
   Dataset dataset = readInputs(arguments.inputs);
   if (!arguments.hold_out.empty())
@@ -37,7 +38,7 @@ void diagnoseInput(const Arguments& arguments) {
   const Verdict verdict = runDiagnosis(dataset, simulation, job, showProgress);
   showProgress("done", 1.0);
   std::fputs(diagnosisText(verdict).c_str(), stdout);
-  if (!arguments.json.empty()) writeTextFile(arguments.json, diagnosisJson(verdict));
+  writeNumbers(arguments.numbers, diagnosisJson(verdict));
   if (!arguments.report.empty()) {
     RunRecord run = recordRun(arguments.inputs);
     run.settings = {
@@ -74,7 +75,7 @@ void addDiagnoseCommand(CLI::App& app) {
   command->add_option("--simulation", arguments->simulation,
                       "simulation file; default: config/simulation/nominal.yaml of the package");
   command->add_option("-o,--output", arguments->output, "extended simulation file to write");
-  command->add_option("--json", arguments->json, "write the verdict as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--report", arguments->report,
                       "write the verdict as a page with figures (HTML, one file)");
   command

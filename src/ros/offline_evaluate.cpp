@@ -15,13 +15,14 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs, tests;
-  std::string config, json, report;
+  std::string config, report;
+  NumberFiles numbers;
   std::vector<std::string> robots;
   bool ignore_checks = false;
 };
 
 void evaluate(const Arguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   checkOutputFile(arguments.report, true);
   TableOneProblem problem;
   problem.configurations = {
@@ -46,7 +47,7 @@ void evaluate(const Arguments& arguments) {
                 readTrusted(arguments.tests, arguments.robots, arguments.ignore_checks).dataset,
                 problem, showProgress);
   std::fputs(tableOneText(result).c_str(), stdout);
-  if (!arguments.json.empty()) writeTextFile(arguments.json, tableOneJson(result));
+  writeNumbers(arguments.numbers, tableOneJson(result));
   if (arguments.report.empty()) return;
   std::vector<std::string> inputs = arguments.inputs;
   inputs.insert(inputs.end(), arguments.tests.begin(), arguments.tests.end());
@@ -75,7 +76,7 @@ void addEvaluateCommand(CLI::App& app) {
                       "bags or directories to test on instead of folds");
   command->add_option("--config", arguments->config,
                       "configuration \"best\"; default: config/trainer.yaml of the package");
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--report", arguments->report,
                       "write the tables as a page with figures (HTML, one file)");
   addCheckOptions(*command, arguments->robots, arguments->ignore_checks);

@@ -21,12 +21,13 @@ namespace raven_correction {
 namespace {
 
 struct FidelityArguments {
-  std::string input, simulation, config, hold_out = "0/5", json, report;
+  std::string input, simulation, config, hold_out = "0/5", report;
+  NumberFiles numbers;
   std::uint64_t seed = 1;
 };
 
 void fidelity(const FidelityArguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   checkOutputFile(arguments.report, true);
   FidelityProblem problem;
   problem.simulation = loadSimulationConfig(
@@ -39,7 +40,7 @@ void fidelity(const FidelityArguments& arguments) {
   const Dataset dataset = readInputs({arguments.input});
   const FidelityResult result = compareFidelity(dataset, problem, showProgress);
   std::fputs(fidelityText(result).c_str(), stdout);
-  if (!arguments.json.empty()) writeTextFile(arguments.json, fidelityJson(result));
+  writeNumbers(arguments.numbers, fidelityJson(result));
   if (arguments.report.empty()) return;
   RunRecord run = recordRun({arguments.input});
   run.settings = {{"simulation", arguments.simulation.empty()
@@ -55,12 +56,13 @@ void fidelity(const FidelityArguments& arguments) {
 
 struct PhysicsArguments {
   std::vector<std::string> inputs, simulations;
-  std::string config, json, draw = "pairs";
+  std::string config, draw = "pairs";
+  NumberFiles numbers;
   LearningCurveProblem problem;
 };
 
 void physics(const PhysicsArguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   LearningCurveProblem problem = arguments.problem;
   problem.config = loadTrainingConfig(arguments.config.empty() ? packageFile("config/trainer.yaml")
                                                                : arguments.config);
@@ -72,7 +74,7 @@ void physics(const PhysicsArguments& arguments) {
   const LearningCurveResult result =
       learningCurve(readInputs(arguments.inputs), problem, showProgress);
   std::fputs(learningCurveText(result).c_str(), stdout);
-  if (!arguments.json.empty()) writeTextFile(arguments.json, learningCurveJson(result));
+  writeNumbers(arguments.numbers, learningCurveJson(result));
 }
 
 void addPhysics(CLI::App& experiment) {
@@ -100,7 +102,7 @@ void addPhysics(CLI::App& experiment) {
   command->add_option("--config", arguments->config,
                       "training configuration; default: config/trainer.yaml of the package");
   command->add_option("--seed", arguments->problem.seed, "of draws and bootstrap; default 1");
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->callback([arguments] { physics(*arguments); });
 }
 
@@ -131,7 +133,7 @@ void addExperimentCommand(CLI::App& app) {
   command->add_option("--hold-out", arguments->hold_out,
                       "K/N: figures come from trajectory i where i % N == K; default 0/5");
   command->add_option("--seed", arguments->seed, "of the simulated motion capture; default 1");
-  command->add_option("--json", arguments->json, "write the rows as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--report", arguments->report,
                       "write the comparison as a page with figures (HTML, one file)");
   command->callback([arguments] { fidelity(*arguments); });

@@ -14,19 +14,20 @@ namespace {
 
 struct Files {
   std::vector<std::string> inputs;
-  std::string config, json, report;
+  std::string config, report;
+  NumberFiles numbers;
 };
 
 void addFiles(CLI::App& command, Files& files) {
   command.add_option("INPUT", files.inputs, "bags or data set directories")->required();
   command.add_option("--config", files.config,
                      "training configuration; default: config/trainer.yaml of the package");
-  command.add_option("--json", files.json, "write the numbers as JSON");
+  addNumberOptions(command, files.numbers);
   command.add_option("--report", files.report, "write a page with figures (HTML, one file)");
 }
 
 TrainingConfig prepare(const Files& files) {
-  checkOutputFile(files.json, true);
+  checkNumberFiles(files.numbers);
   checkOutputFile(files.report, true);
   return loadTrainingConfig(files.config.empty() ? packageFile("config/trainer.yaml")
                                                  : files.config);
@@ -53,7 +54,7 @@ void trace(const TraceArguments& arguments) {
   problem.hold_out = parseHoldOut(arguments.hold_out);
   const TraceResult result = testTrace(readInputs(files.inputs), problem, showProgress);
   std::fputs(testTraceText(result).c_str(), stdout);
-  if (!files.json.empty()) writeTextFile(files.json, testTraceJson(result));
+  writeNumbers(files.numbers, testTraceJson(result));
   if (files.report.empty()) return;
   RunRecord run = recordOf(files, problem.config);
   run.settings.emplace_back("hold-out", arguments.hold_out);
@@ -72,7 +73,7 @@ void curve(const CurveArguments& arguments) {
   problem.config = prepare(files);
   const LearningCurveResult result = learningCurve(readInputs(files.inputs), problem, showProgress);
   std::fputs(learningCurveText(result).c_str(), stdout);
-  if (!files.json.empty()) writeTextFile(files.json, learningCurveJson(result));
+  writeNumbers(files.numbers, learningCurveJson(result));
   if (files.report.empty()) return;
   RunRecord run = recordOf(files, problem.config);
   run.settings.emplace_back("folds", std::to_string(problem.folds));

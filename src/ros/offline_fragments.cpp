@@ -17,7 +17,8 @@ namespace {
 
 struct Arguments {
   FragmentTrial trial;
-  std::string json, picture;
+  std::string picture;
+  NumberFiles numbers;
 };
 
 /// The first scene of the trial with what was found in it: both raw images above, below them the
@@ -44,7 +45,7 @@ void writePicture(FragmentTrial trial, const std::string& file) {
 }
 
 void run(const Arguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   checkOutputFile(arguments.picture, true);
   if (!arguments.picture.empty() && arguments.picture.rfind(".png") == std::string::npos)
     throw InvalidInput(format("%s: a picture has to end in .png", arguments.picture.c_str()));
@@ -53,7 +54,7 @@ void run(const Arguments& arguments) {
     showProgress("rendering and looking", (k + 1.0) / scenes);
   });
   std::fputs(fragmentText(score).c_str(), stdout);
-  if (!arguments.json.empty()) writeTextFile(arguments.json, fragmentJson(score));
+  writeNumbers(arguments.numbers, fragmentJson(score));
   if (!arguments.picture.empty()) writePicture(arguments.trial, arguments.picture);
 }
 
@@ -72,7 +73,7 @@ void addFragmentsExperiment(CLI::App& experiment) {
       ->add_option("--neighbours", arguments->trial.scene.neighbour_share,
                    "share of fragments laid against or onto another; default 0.4")
       ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--picture", arguments->picture,
                       "write the first scene with its detections (PNG)");
   command->callback([arguments] { run(*arguments); });

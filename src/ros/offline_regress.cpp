@@ -13,7 +13,8 @@ namespace raven_correction {
 namespace {
 
 struct Arguments {
-  std::string train, test, kernel, backend, mean = "zero", json;
+  std::string train, test, kernel, backend, mean = "zero";
+  NumberFiles numbers;
   int targets = 1;
   bool isotropic = false, shared = false;
   GpConfig config = regressDefaults();
@@ -98,11 +99,11 @@ std::string regressJson(const RegressResult& result, const GpConfig& config) {
 }
 
 void regressTables(const Arguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   const RegressProblem problem = problemOf(arguments);
   const RegressResult result = regress(problem);
   std::fputs(regressText(result, problem.config).c_str(), stdout);
-  if (!arguments.json.empty()) writeTextFile(arguments.json, regressJson(result, problem.config));
+  writeNumbers(arguments.numbers, regressJson(result, problem.config));
 }
 
 }  // namespace
@@ -142,7 +143,7 @@ void addRegressCommand(CLI::App& app) {
   command->add_option("--restarts", config.restarts, "searches for the hyper-parameters")
       ->capture_default_str();
   command->add_option("--seed", config.seed, "of every random choice")->capture_default_str();
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->callback([arguments] { regressTables(*arguments); });
 }
 

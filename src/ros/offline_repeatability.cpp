@@ -19,18 +19,19 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   RepeatabilityParams params;
-  std::string json, output, report;
+  std::string output, report;
+  NumberFiles numbers;
 };
 
 void run(const Arguments& arguments) {
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   checkOutputFile(arguments.report, true);
   RepeatabilityParams params = arguments.params;
   checkRepeatability(params);
   params.folder = experimentFolder("repeatability", arguments.output);
   RepeatabilityReport report = runRepeatability(params, showProgress);
   if (arguments.output.empty()) report.folder.clear();
-  if (!arguments.json.empty()) writeTextFile(arguments.json, repeatabilityJson(report));
+  writeNumbers(arguments.numbers, repeatabilityJson(report));
   std::fputs(repeatabilityText(report).c_str(), stdout);
   if (!arguments.report.empty()) {
     RunRecord record = recordRun({});
@@ -70,7 +71,7 @@ void addRepeatabilityExperiment(CLI::App& experiment) {
                       "training configuration; default: config/trainer.yaml of the package");
   command->add_option("--output", arguments->output,
                       "keep bags, model and log in this folder (empty or new)");
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--report", arguments->report, "write a page with figures (HTML, one file)");
   command->callback([arguments] { run(*arguments); });
 }

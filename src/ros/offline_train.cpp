@@ -19,7 +19,8 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string output, config, hold_out, json, report, simulation;
+  std::string output, config, hold_out, report, simulation;
+  NumberFiles numbers;
   std::vector<std::string> robots;
   bool force = false, ignore_checks = false;
 };
@@ -58,7 +59,7 @@ TrainingPage pageOf(const TrainingResult& result, const Dataset& all, const Data
 
 void train(const Arguments& arguments) {
   checkOutputFile(arguments.output, arguments.force);
-  checkOutputFile(arguments.json, true);
+  checkNumberFiles(arguments.numbers);
   checkOutputFile(arguments.report, true);
   TrainingConfig config = loadTrainingConfig(
       arguments.config.empty() ? packageFile("config/trainer.yaml") : arguments.config);
@@ -91,8 +92,7 @@ void train(const Arguments& arguments) {
   }
   const TrainingPage* const judged = page ? &*page : nullptr;
   std::fputs(trainingText(result, judged).c_str(), stdout);
-  if (!arguments.json.empty())
-    writeTextFile(arguments.json, trainingJson(result, arguments.output, judged));
+  writeNumbers(arguments.numbers, trainingJson(result, arguments.output, judged));
   if (arguments.report.empty()) return;
   RunRecord run = recordRun(arguments.inputs);
   run.settings = {{"configuration", arguments.config.empty() ? "config/trainer.yaml of the package"
@@ -119,7 +119,7 @@ void addTrainCommand(CLI::App& app) {
       "configuration, or none");
   command->add_option("--hold-out", arguments->hold_out,
                       "K/N: leave out trajectory i where i % N == K (zero-based, by start time)");
-  command->add_option("--json", arguments->json, "write the numbers as JSON");
+  addNumberOptions(*command, arguments->numbers);
   command->add_option("--report", arguments->report,
                       "write what was learnt as a page with figures (HTML, one file)");
   command->add_flag("--force", arguments->force, "replace the model file if it exists");

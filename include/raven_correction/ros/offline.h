@@ -43,6 +43,17 @@ void checkOutputFile(const std::string& file, bool overwrite);
 /// @throws InvalidInput  cannot be written
 void writeTextFile(const std::string& file, const std::string& text);
 
+/// Where a command writes its numbers; empty: nowhere.
+struct NumberFiles {
+  std::string json, csv;
+};
+/// --json and --csv.
+void addNumberOptions(CLI::App& command, NumberFiles& files);
+/// checkOutputFile() of both, which may exist.
+void checkNumberFiles(const NumberFiles& files);
+/// The same numbers in each: csvOfJson(). @throws InvalidInput  cannot be written
+void writeNumbers(const NumberFiles& files, const std::string& json);
+
 /// Inputs whose streams have been checked: findings go to standard error.
 /// @param robots  file of the arm's chain, then those of arms it may be mixed up with; may be empty
 /// @param ignore  errors do not stop it
