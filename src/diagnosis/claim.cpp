@@ -117,8 +117,21 @@ LossComparison ClaimRule::compareWithInterval(const Eigen::VectorXd& without,
 
 double ClaimRule::logLikelihood(const Eigen::VectorXd& residual,
                                 const Eigen::VectorXd& scales_of) const {
-  const Eigen::ArrayXd loss = motionLosses(layout_, residual, channelScales(layout_, scales_of));
-  return -loss.isFinite().select(loss * samples_.array(), 0.0).sum() / kCorrelatedSamples;
+  const Eigen::VectorXd scales = channelScales(layout_, scales_of);
+  double loss = 0.0;
+  for (const ResidualBlock& block : layout_.blocks) {
+    const int size = layout_.sizeOf(block);
+    loss += huber(residual.segment(block.offset, size).norm() / scales(block.channel),
+                  blockThreshold(size));
+  }
+  return -loss / kCorrelatedSamples;
+}
+
+double ClaimRule::evidence(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
+  const Eigen::VectorXd scales = channelScales(layout_, without);
+  const Eigen::ArrayXd gain =
+      motionLosses(layout_, without, scales) - motionLosses(layout_, with, scales);
+  return gain.isFinite().select(gain * samples_.array(), 0.0).sum() / kCorrelatedSamples;
 }
 
 bool ClaimRule::earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
@@ -126,8 +139,8 @@ bool ClaimRule::earns(const Eigen::VectorXd& without, const Eigen::VectorXd& wit
   if (comparison.share < least_share_) return false;
   if (comparison.z_mean > student_) return true;
   if (comparison.z_mean > kLeastSpread && comparison.z_typical > typical_) return true;
-  const double evidence = logLikelihood(with, without) - logLikelihood(without, without);
-  return comparison.z_mean > kFewMotions && evidence > kLeastEvidence && isQuiet(without);
+  return comparison.z_mean > kFewMotions && evidence(without, with) > kLeastEvidence &&
+         isQuiet(without);
 }
 
 // The residual of most motions is no larger than their noise from frame to frame.

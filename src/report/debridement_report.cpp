@@ -41,7 +41,9 @@ Json conditionJson(const DebridementCondition& condition, std::uint64_t seed) {
   json["waited_seconds"] = s.waited;
   json["speed_cm_per_s"] = 100.0 * condition.speed;
   json["replan_interval_s"] = condition.replan_interval;
-  json["deviation_limit_mm"] = kMillimetre * condition.deviation_limit;
+  json["deviation_limit_mm"] = condition.deviation_limit < 0.0
+                                   ? Json(nullptr)
+                                   : Json(kMillimetre * condition.deviation_limit);
   json["smallest_distance_mm"] =
       std::isfinite(condition.clearance) ? Json(kMillimetre * condition.clearance) : Json(nullptr);
   json["scenes"] = Json::array();
@@ -99,12 +101,13 @@ std::string debridementText(const DebridementReport& report) {
   for (const DebridementLearning& arm : report.learning)
     text += format(
         "  %s: learnt from %u pairs at %u places; on held-out motions %.1f to %.2f mm, %.1f to "
-        "%.2f deg; at %u places like those of the task %.2f mm off, mean (%.2f, %.2f, %.2f) mm, by "
+        "%.2f deg; at %u places like those of the task %.2f mm off, medians (%.2f, %.2f, %.2f) mm, "
+        "by "
         "motion capture; sd predicted at three in four of them at most %.2f mm\n",
         arm.arm.c_str(), arm.pairs, arm.places, arm.before_mm, arm.after_mm, arm.before_deg,
         arm.after_deg, arm.trial_places, kMillimetre * arm.trial_deviation,
-        kMillimetre * arm.trial_mean.x(), kMillimetre * arm.trial_mean.y(),
-        kMillimetre * arm.trial_mean.z(), kMillimetre * arm.usual_prediction);
+        kMillimetre * arm.trial_median.x(), kMillimetre * arm.trial_median.y(),
+        kMillimetre * arm.trial_median.z(), kMillimetre * arm.usual_prediction);
   text += format(
       "  simulator: %llu cycles, %.1f %% of them late, %.2f simulated seconds per second; the "
       "clock "
@@ -140,9 +143,9 @@ std::string debridementJson(const DebridementReport& report) {
          {"angle_after_deg", arm.after_deg},
          {"trial_places", arm.trial_places},
          {"trial_deviation_mm", kMillimetre * arm.trial_deviation},
-         {"trial_mean_mm",
-          {kMillimetre * arm.trial_mean.x(), kMillimetre * arm.trial_mean.y(),
-           kMillimetre * arm.trial_mean.z()}},
+         {"trial_median_mm",
+          {kMillimetre * arm.trial_median.x(), kMillimetre * arm.trial_median.y(),
+           kMillimetre * arm.trial_median.z()}},
          {"usual_prediction_mm", kMillimetre * arm.usual_prediction}});
   json["simulator"] = {{"cycles", report.cycles},
                        {"late_percent", latePercent(report)},

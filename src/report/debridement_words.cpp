@@ -62,6 +62,9 @@ const std::vector<DebridementRow>& debridementRows() {
        }},
       {"seconds per fragment",
        [](const C&, const S& s) {
+         if (!std::isfinite(s.seconds_per_fragment)) return std::string("none delivered");
+         if (!std::isfinite(s.seconds_interval.upper))
+           return format("%.1f", s.seconds_per_fragment);
          return format("%.1f (%.1f to %.1f)", s.seconds_per_fragment, s.seconds_interval.lower,
                        s.seconds_interval.upper);
        }},

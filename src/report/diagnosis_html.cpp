@@ -79,12 +79,16 @@ std::vector<KeyNumber> keyNumbers(const Verdict& verdict) {
 void appendRivals(const Verdict& verdict, HtmlDocument& document) {
   HtmlTable table;
   table.caption =
-      "What this recording cannot tell apart: what stands in the second column explains the "
+      "What this recording does not tell apart: what stands in the second column explains the "
       "held-out "
-      "motions as well as the cause in the first, when it takes its place and everything else is "
-      "fitted again. Log likelihood: of the held-out motions with the cause less with the other; "
-      "expected: what that difference would be on average if the cause were the truth. Where as "
-      "little as a few units are expected, no method could tell the two apart here.";
+      "motions as well as the cause in the first, or better, when it takes its place and "
+      "everything "
+      "else is fitted again; of the two the simpler one is named. Log likelihood: of the held-out "
+      "motions with the cause less with the other; expected: what that difference would be on "
+      "average "
+      "if the cause were the truth. Where as little as a few units are expected, no method could "
+      "tell "
+      "the two apart here.";
   table.header = {"cause",          "or",       "with parameters", "part of its gain",
                   "log likelihood", "expected", "to tell"};
   for (std::size_t i = 0; i < verdict.causes.size(); ++i) {

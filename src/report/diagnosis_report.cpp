@@ -136,7 +136,7 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
                    hypothesisLabel(cause.runner_up, verdict.simulation.robot).c_str(),
                    kPercent * cause.runner_up_share);
   for (const Rival& rival : cause.equals) {
-    text += "\n    cannot be told from " +
+    text += std::string("\n    ") + relationTo(rival) + " " +
             hypothesisLabel(rival.hypothesis, verdict.simulation.robot) + " here:";
     for (const NamedParameter& parameter : parametersOf(verdict, rival))
       text += " " + parameterText(parameter, "+-") + ",";

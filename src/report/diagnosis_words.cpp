@@ -51,6 +51,12 @@ std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause)
   return labels;
 }
 
+const char* relationTo(const Rival& rival) {
+  constexpr double kBetter = -2.0;  // z from which on it is the rival that predicts better
+  return rival.z < kBetter ? "is named as the simpler one of two; more likely here is"
+                           : "cannot be told from";
+}
+
 std::string rivalText(const Rival& rival) {
   return format(
       "%.0f %% of its gain, log likelihood %.2g %s (z %.1f); were the cause the truth, this "

@@ -24,6 +24,9 @@ std::string parameterText(const NamedParameter& parameter, const char* plus_minu
 std::string joined(const std::vector<std::string>& words, const char* last);
 
 std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause);
+/// "cannot be told from", or, where the rival predicts significantly better, that the simpler of
+/// the two is named.
+const char* relationTo(const Rival& rival);
 /// How near a rival is to its cause: "98 % of its gain, log likelihood 0.3 lower (z 0.4); were the
 /// cause the truth, this recording would show 0.9 on average".
 std::string rivalText(const Rival& rival);

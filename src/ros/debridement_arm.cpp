@@ -151,7 +151,7 @@ void DebridementArm::announce(const char* kind, bool begins, double stamp, const
 void DebridementArm::move(const char* kind, const Pose& X_base_tool, double dwell) {
   const Pose from = start();
   // A deviation that was measured at a place is not that of another.
-  if (motion_.replan_interval <= 0.0 && replanner_.measurements() > 0) replanner_.forget(now());
+  if (motion_.replan_interval <= 0.0) replanner_.forget(now());
   const double period = 1.0 / motion_.rate;
   PoseStream motion = smoothMove(from, X_base_tool, motion_.speed, motion_.angular_speed,
                                  motion_.acceleration, period);
@@ -214,7 +214,7 @@ void DebridementArm::takeBack() {
 }
 
 std::optional<Eigen::Vector3d> DebridementArm::deviation() {
-  DeviationReplanner probe(motion_.replan);
+  DeviationReplanner probe({});  // which takes whatever it sees
   if (!probe.measure(sent_, seenSince(last_stamp_ - motion_.window), last_stamp_))
     return std::nullopt;
   return probe.translation();

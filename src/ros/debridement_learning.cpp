@@ -2,6 +2,7 @@
 #include "debridement_learning.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "debridement_places.h"
@@ -26,6 +27,7 @@ constexpr double kUsualShare = 0.75;  // of the places are not worth replanning
 constexpr double kWider = 0.010;      // than the field is what is rehearsed [m]
 constexpr double kTurnedMore = 0.1;   // than the task will turn the tool [rad]
 constexpr double kFieldSize = 0.080;  // [m]
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOverField = 0.030;  // where the deviation is measured first [m]
 
 /// What an arm meets at places like those of the task: it moves as it is told, and at each the
@@ -175,14 +177,19 @@ class Learner {
     rehearseWith(places, trial, "trial", 1.0);
     DebridementLearning learning;
     learning.trial_places = static_cast<unsigned>(trial.deviations.size());
-    std::vector<double> lengths;
+    std::vector<double> lengths, components[3], known;
     for (const Eigen::Vector3d& off : trial.deviations) {
-      learning.trial_mean += off / static_cast<double>(trial.deviations.size());
       lengths.push_back(off.norm());
+      for (int k = 0; k < 3; ++k) components[k].push_back(off(k));
     }
-    learning.trial_deviation =
-        lengths.empty() ? std::numeric_limits<double>::quiet_NaN() : mean(lengths);
-    learning.usual_prediction = quantile(trial.predicted, kUsualShare);
+    // Medians: motion capture is wrong at times, and far then.
+    for (int k = 0; k < 3; ++k)
+      learning.trial_median(k) = lengths.empty() ? kNotKnown : median(components[k]);
+    learning.trial_deviation = lengths.empty() ? kNotKnown : median(lengths);
+    for (const double predicted : trial.predicted)
+      if (std::isfinite(predicted)) known.push_back(predicted);
+    learning.usual_prediction =
+        known.empty() ? std::numeric_limits<double>::infinity() : quantile(known, kUsualShare);
     return learning;
   }
 

@@ -75,11 +75,10 @@ std::optional<FragmentSighting> DebridementTask::attempt(const FragmentSighting&
   }
   cell_.setJaw(config_.jaw_closed, config_.jaw_time);
   cell_.move("check_pickup", above(grasp, config_.hover), 0.0);
-  const FieldPicture before = std::move(looked_);
-  looked_ = cell_.look();
-  book_.see(looked_);
-  took_neighbour_ = book_.tookNeighbour(arm_, before, looked_);
-  return book_.stillThere(arm_, looked_);
+  const FieldPicture picture = cell_.look();
+  took_neighbour_ = book_.tookNeighbour(arm_, picture);
+  book_.see(picture);
+  return book_.stillThere(arm_, picture);
 }
 
 void DebridementTask::workOn(const FragmentBook::Choice& choice, FragmentRecord& record) {
@@ -110,8 +109,7 @@ std::vector<FragmentRecord> DebridementTask::run() {
   std::vector<FragmentRecord> records;
   cell_.move("move_to_start", config_.X_base_rest, 0.0);
   cell_.setJaw(config_.jaw_open, config_.jaw_time);
-  looked_ = cell_.look();
-  book_.see(looked_);
+  book_.see(cell_.look());
   for (;;) {
     const FragmentBook::Choice choice = book_.choose(arm_);
     if (choice.next == FragmentBook::Next::kNothing) return records;

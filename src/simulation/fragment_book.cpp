@@ -82,8 +82,7 @@ std::optional<FragmentSighting> FragmentBook::stillThere(std::size_t arm,
   return std::nullopt;
 }
 
-bool FragmentBook::tookNeighbour(std::size_t arm, const FieldPicture& before,
-                                 const FieldPicture& after) const {
+bool FragmentBook::tookNeighbour(std::size_t arm, const FieldPicture& now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!claims_.at(arm)) return false;
   const Eigen::Vector3d& own = claims_[arm]->p_field;
@@ -94,9 +93,9 @@ bool FragmentBook::tookNeighbour(std::size_t arm, const FieldPicture& before,
                        });
   };
   return std::any_of(
-      before.fragments.begin(), before.fragments.end(), [&](const FragmentSighting& fragment) {
+      seen_.fragments.begin(), seen_.fragments.end(), [&](const FragmentSighting& fragment) {
         const double away = (fragment.p_field - own).norm();
-        return away > config_.same && away <= config_.reach && !isAmong(fragment, after);
+        return away > config_.same && away <= config_.reach && !isAmong(fragment, now);
       });
 }
 

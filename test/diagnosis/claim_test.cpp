@@ -60,6 +60,20 @@ TEST(ClaimRule, LogLikelihoodCountsIndependentSamples) {
   EXPECT_NEAR(rule.logLikelihood(ones, ones), -8.0 * 0.5 / (1.4826 * 1.4826), 1e-9);
   EXPECT_NEAR(rule.logLikelihood(2.0 * ones, ones), 4.0 * rule.logLikelihood(ones, ones), 1e-9);
   EXPECT_EQ(rule.logLikelihood(0.0 * ones, ones), 0.0);
+  // Further channels say more, and so do components.
+  const ResidualLayout more = layoutOf(4, 40, 3);
+  const Eigen::VectorXd all = Eigen::VectorXd::Constant(more.size, 1e-3);
+  EXPECT_NEAR(ClaimRule(more, 0.004, 1).logLikelihood(all, all),
+              3.0 * rule.logLikelihood(ones, ones), 1e-9);
+  ResidualLayout vectors = layoutOf(4, 40, 1);
+  vectors.channels[0].size = 3;
+  vectors.size = 0;
+  for (ResidualBlock& block : vectors.blocks) {
+    block.offset = vectors.size;
+    vectors.size += 3;
+  }
+  EXPECT_NEAR(ClaimRule(vectors, 0.004, 1).logLikelihood(all, all),
+              3.0 * rule.logLikelihood(ones, ones), 1e-9);
 }
 
 // What is expected of two predictions that differ is what is seen on average where one is true.

@@ -104,7 +104,11 @@ TEST(DebridementPage, SaysTheSameInTextJsonAndPage) {
 TEST(DebridementPage, NothingDeliveredIsAResult) {
   const DebridementReport report = debridement(0);
   EXPECT_EQ(nlohmann::json::parse(debridementJson(report))["speedup"].get<double>(), 0.0);
-  EXPECT_EQ(problemsOf(debridementHtml(report, {})), "");
+  const std::string page = debridementHtml(report, {});
+  EXPECT_EQ(problemsOf(page), "");
+  EXPECT_TRUE(contains(page, "none delivered"));
+  EXPECT_FALSE(contains(page, "nan"));
+  EXPECT_FALSE(contains(debridementText(report), "nan"));
   DebridementReport none = debridement(6);
   none.conditions[0] = cleared("baseline", 0, 200.0);
   EXPECT_FALSE(nlohmann::json::parse(debridementJson(none)).contains("speedup"));

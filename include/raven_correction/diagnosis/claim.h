@@ -67,8 +67,10 @@ class ClaimRule {
   LossComparison compareWithInterval(const Eigen::VectorXd& without,
                                      const Eigen::VectorXd& with) const;
   /// Log likelihood of residuals in units of their spread in `scales_of`, less that of none: minus
-  /// the sum over motions of their loss (motionLosses()) times the samples per channel / 20,
-  /// because about 20 samples of motion capture in a row say as much as one independent one [-].
+  /// the sum over all samples, channels and components of Huber's loss (half the square, for most),
+  /// over 20, because about 20 samples of motion capture in a row say as much as one independent
+  /// one
+  /// [-].
   double logLikelihood(const Eigen::VectorXd& residual, const Eigen::VectorXd& scales_of) const;
   /// Whether that gain is enough to claim what `with` has and `without` has not. At least
   /// least_share of the loss, and then one of
@@ -77,13 +79,16 @@ class ClaimRule {
   ///            few motions are enough
   ///   typical  z_mean > 2.5 and z_typical beyond the second: most motions gain, some of them much
   ///   few      z_mean > 1.6, the recording is quiet but for these (scale of `without` at most 1.5
-  ///            of the noise, in every channel), and a log likelihood ratio above 25
+  ///            of the noise, in every channel), and evidence above 25: the sum over motions of
+  ///            (gain in mean loss) x (samples per channel) / 20, a log likelihood ratio in which
+  ///            every sample counts once, however many numbers it has
   ///
   /// @param without, with  held-out residuals, layout.size each
   bool earns(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const;
 
  private:
   bool isQuiet(const Eigen::VectorXd& residual) const;
+  double evidence(const Eigen::VectorXd& without, const Eigen::VectorXd& with) const;
 
   const ResidualLayout& layout_;
   double least_share_;

@@ -31,12 +31,12 @@ struct DebridementLearning {
   double before_mm = 0.0, after_mm = 0.0;    ///< held-out, norm of mean absolute errors
   double before_deg = 0.0, after_deg = 0.0;  ///< likewise
   unsigned trial_places = 0;  ///< like those of the task, visited with the correction
-  /// There, at rest, by motion capture: the mean deviation, base frame, and the mean of its length
-  /// [m]; nan without any.
-  Eigen::Vector3d trial_mean = Eigen::Vector3d::Zero();
+  /// There, at rest, by motion capture: the median deviation of each axis, base frame, and the
+  /// median of its length [m]; nan without any.
+  Eigen::Vector3d trial_median = Eigen::Vector3d::Zero();
   double trial_deviation = 0.0;
   /// One standard deviation of the position as the correction predicts it, that of three in four of
-  /// these places at most [m].
+  /// these places at most [m]; infinite where it said nothing.
   double usual_prediction = 0.0;
 };
 
@@ -59,7 +59,8 @@ std::string debridementText(const DebridementReport& report);
 /// "success_percent", "success_percent_interval", "fragments", "delivered", "given_up", "attempts",
 /// "retries_per_fragment", "first_try_percent", "missed_grasps", "dropped", "replans",
 /// "arm_seconds_per_fragment", "seconds", "waited_seconds", "speed_cm_per_s", "replan_interval_s",
-/// "deviation_limit_mm", "smallest_distance_mm" (null for one arm), "scenes": [...]},
+/// "deviation_limit_mm" (null: each arm's own usual_prediction_mm, see "training"),
+/// "smallest_distance_mm" (null for one arm), "scenes": [...]},
 /// "speedup", "speedup_interval": [lo, hi], "speedup_replanning", "speedup_replanning_interval",
 /// "success_difference_percent", "success_difference_interval_percent": [lo, hi] (corrected less
 /// baseline, same scenes), the same with "_replanning",

@@ -92,7 +92,6 @@ class DebridementTask {
   std::size_t arm_;
   DebridementCell& cell_;
   FragmentBook& book_;
-  FieldPicture looked_;  // the last time
   bool took_neighbour_ = false;
   double waited_ = 0.0;
 };

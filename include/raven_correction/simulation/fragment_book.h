@@ -69,9 +69,9 @@ class FragmentBook {
   Choice choose(std::size_t arm);
   /// The arm's fragment in a picture, if it still lies there.
   std::optional<FragmentSighting> stillThere(std::size_t arm, const FieldPicture& picture) const;
-  /// Whether another fragment than the arm's own, within reach of its jaw, has gone between two
-  /// pictures: the jaw has taken that one.
-  bool tookNeighbour(std::size_t arm, const FieldPicture& before, const FieldPicture& after) const;
+  /// Whether another fragment than the arm's own, within reach of its jaw, has gone since the
+  /// picture that was seen last: the jaw has taken that one.
+  bool tookNeighbour(std::size_t arm, const FieldPicture& now) const;
   /// The attempt on the arm's fragment was in vain. @return true if it is given up now
   bool failed(std::size_t arm);
   /// The arm has left the field.
