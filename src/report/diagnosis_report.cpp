@@ -137,7 +137,7 @@ std::string causeText(const Verdict& verdict, std::size_t index) {
                    kPercent * cause.runner_up_share);
   for (const Rival& rival : cause.equals) {
     text += std::string("\n    ") + relationTo(rival) + " " +
-            hypothesisLabel(rival.hypothesis, verdict.simulation.robot) + " here:";
+            hypothesisLabel(rival.hypothesis, verdict.simulation.robot) + ":";
     for (const NamedParameter& parameter : parametersOf(verdict, rival))
       text += " " + parameterText(parameter, "+-") + ",";
     text += " " + rivalText(rival);

@@ -24,8 +24,8 @@ std::string parameterText(const NamedParameter& parameter, const char* plus_minu
 std::string joined(const std::vector<std::string>& words, const char* last);
 
 std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause);
-/// "cannot be told from", or, where the rival predicts significantly better, that the simpler of
-/// the two is named.
+/// "cannot be told here from", or that the motions speak for the rival, where it predicts
+/// significantly better than the cause, which was chosen beside fewer others.
 const char* relationTo(const Rival& rival);
 /// How near a rival is to its cause: "98 % of its gain, log likelihood 0.3 lower (z 0.4); were the
 /// cause the truth, this recording would show 0.9 on average".
