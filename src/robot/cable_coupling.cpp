@@ -102,7 +102,7 @@ JointMatrix CableCoupling::motorTravel(const KinematicChain& chain) const {
   }
   JointMatrix travel = gather * M_ * spread;
   for (Eigen::Index j = 0; j < n; ++j)
-    if (gather.row(j).isZero()) travel(j, j) = 1.0;
+    if (motors_.empty() || gather.row(j).isZero()) travel(j, j) = 1.0;
   return travel;
 }
 
