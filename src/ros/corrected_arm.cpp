@@ -339,12 +339,13 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   if (model_.expires_at > 0.0 && unix_time > model_.expires_at)
     status.mergeSummary(Level::WARN, "the model has expired");
   // A model knows of the homing that it was recorded after, or at least when it was trained.
-  const double valid_from = model_.homed_at > 0.0 ? model_.homed_at : model_.trained_at;
+  const bool by_recording = model_.homed_at > 0.0;
+  const bool homed_since = by_recording ? homed_at_ > model_.homed_at + kSameHoming
+                                        : homed_unix_ > model_.trained_at + kSameHoming;
   const bool proven = preflight_state_ == PreflightState::kPassed;  // since then
-  if (homed_at_ > valid_from + kSameHoming && !model_.id.empty() && !proven)
-    status.mergeSummary(Level::WARN, model_.homed_at > 0.0
-                                         ? "the robot was homed after the model was recorded"
-                                         : "the robot was homed after the model was trained");
+  if (homed_since && !model_.id.empty() && !proven)
+    status.mergeSummaryf(Level::WARN, "the robot %s after the model was %s", homingText(homing_),
+                         by_recording ? "recorded" : "trained");
   diagnosePreflight(status);
   std::vector<StreamFinding> findings = topic_findings_;
   for (const StreamFinding& finding : observer_.findings()) findings.push_back(finding);

@@ -39,8 +39,10 @@ void CorrectedArm::updatePreflightState() {
   } while (state != now());
 }
 
-void CorrectedArm::noteHoming(double now) noexcept {
-  homed_at_.store(now);
+void CorrectedArm::noteHoming(HomingWatch::Homing homing) noexcept {
+  homing_.store(homing);
+  homed_at_.store(ros::Time::now().toSec());
+  homed_unix_.store(ros::WallTime::now().toSec());
   gate_.noteHoming();
   if (!gate_.required()) return;
   corrector_.setMode(CorrectorMode::kOff);
@@ -183,9 +185,10 @@ void CorrectedArm::diagnosePreflight(diagnostic_updater::DiagnosticStatusWrapper
   }
   if (state == PreflightState::kOverridden)
     status.mergeSummary(Level::WARN, "the pre-flight of the model in use was overridden");
-  if (state == PreflightState::kNeeded && homed_at_ > 0.0)
-    status.mergeSummary(Level::WARN,
-                        "the robot was homed: the correction is off until a pre-flight has passed");
+  if (state == PreflightState::kNeeded && homing_ != HomingWatch::Homing::kNone)
+    status.mergeSummaryf(Level::WARN,
+                         "the robot %s: the correction is off until a pre-flight has passed",
+                         homingText(homing_));
 }
 
 std::vector<TopicType> CorrectedArm::expectedTopics() const {

@@ -142,9 +142,9 @@ void CorrectorNode::watchClock(const ros::Time& now) {
 
 void CorrectorNode::watchRobotState(const ros::SteadyTime& now) {
   if (params_.robot_state_topic.empty()) return;
-  const bool known =
-      !robot_state_at_.isZero() && (now - robot_state_at_).toSec() <= params_.robot_state_timeout;
-  const bool ready = known && robot_state_.ready();
+  const std::optional<RobotState>& state = robot_state_.state();
+  const bool ready =
+      state && state->ready() && now.toSec() - robot_state_.at() <= params_.robot_state_timeout;
   if (robot_ready_.exchange(ready) != ready) updateHold();
 }
 
@@ -249,12 +249,11 @@ void CorrectorNode::onRobotState(const ros::MessageEvent<AnyMessage const>& even
     robot_state_warned_ = true;
     return;
   }
-  const bool homed_before = robot_state_.homed || robot_state_at_.isZero();
-  robot_state_ = *state;
-  robot_state_at_ = ros::SteadyTime::now();
-  if (state->homed && !homed_before)
-    for (const auto& arm : arms_) arm->noteHoming(ros::WallTime::now().toSec());
-  watchRobotState(robot_state_at_);
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  const HomingWatch::Homing homing = robot_state_.update(*state, now.toSec());
+  if (homing != HomingWatch::Homing::kNone)
+    for (const auto& arm : arms_) arm->noteHoming(homing);
+  watchRobotState(now);
 }
 
 // --- others --------------------------------------------------------------------------------------

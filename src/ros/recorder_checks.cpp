@@ -69,14 +69,12 @@ void Recorder::onRobotState(const ros::MessageEvent<AnyMessage const>& event) {
                     "~robot_state_arm"
                   : "crtk_msgs/operating_state, raven_2_msgs/RavenState or raven_2/raven_state");
   }
-  if (state) {
-    const bool homed_before = !robot_state_ || robot_state_->homed;
-    robot_state_ = state;
-    if (state->homed && !homed_before) {
-      homed_at_ = ros::Time::now();
-      ROS_INFO("recorder: the robot was homed");
-      recordHoming(homed_at_);
-    }
+  const auto homing = state ? robot_state_.update(*state, ros::SteadyTime::now().toSec())
+                            : HomingWatch::Homing::kNone;
+  if (homing != HomingWatch::Homing::kNone) {
+    homed_at_ = ros::Time::now();
+    ROS_INFO("recorder: the robot %s", homingText(homing));
+    recordHoming(homed_at_);
   }
   if (!arm) return;
   const auto pose = boost::make_shared<geometry_msgs::PoseStamped>(stampedPoseToMsg(

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <future>
 
+#include "raven_correction/ros/homing_watch.h"
 #include "support/corrector_probe.h"
 #include "support/node_main.h"
 #include "support/operating_state.h"
@@ -63,7 +64,7 @@ class PreflightFaults : public ::testing::Test {
   void step() {
     const ros::Time now = ros::Time::now();
     if (moves_) probe_.publisher.publish(probe_.message(along(now.toSec() - start_)));
-    state_.publish(operatingState("ENABLED", homed_));
+    if (tells_) state_.publish(operatingState("ENABLED", homed_));
     ++states_;
     ros::spinOnce();
     for (; seen_ < probe_.commands.size(); ++seen_) {
@@ -165,6 +166,28 @@ class PreflightFaults : public ::testing::Test {
     service.request.duration = duration;
     return call("corrector/preflight", service);
   }
+  static bool isReady(const std::future<Preflight::Response>& answer) {
+    return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+  /// One that runs when this returns, as a second one that is refused shows.
+  std::future<Preflight::Response> beginPreflight() {
+    const auto begin = [&] {
+      return std::async(std::launch::async, [name = probe_.nh.resolveName("corrector/preflight")] {
+        Preflight service;
+        service.request.duration = 20.0;
+        EXPECT_TRUE(ros::service::call(name, service));
+        return service.response;
+      });
+    };
+    auto first = begin();
+    Preflight::Response second;
+    EXPECT_TRUE(run([&] {
+      if (isReady(first)) first = begin();  // it may have come in second itself
+      second = preflight(0.2);
+      return second.message.find("a pre-flight is running") != std::string::npos;
+    })) << second.message;
+    return first;
+  }
   SetMode::Response setMode(const std::string& mode, bool override_preflight = false) {
     SetMode service;
     service.request.mode = mode;
@@ -182,7 +205,7 @@ class PreflightFaults : public ::testing::Test {
   const double start_ = ros::Time::now().toSec();
   std::size_t seen_ = 0;
   int states_ = 0;
-  bool moves_ = true, homed_ = true, sees_ = true, repeats_ = false;
+  bool moves_ = true, homed_ = true, sees_ = true, tells_ = true, repeats_ = false;
   double metres_ = 1.0;
   Pose robot_ = kRobot;
   std::string model_id_;
@@ -264,6 +287,23 @@ TEST_F(PreflightFaults, AHomingSwitchesOffUntilTheNextPreflight) {
   EXPECT_TRUE(corrects(model_id_));
 }
 
+TEST_F(PreflightFaults, ASilenceOfTheRobotsStateMayHideAHoming) {
+  ASSERT_TRUE(preflight().passed);
+  ASSERT_TRUE(enable(true).success);
+  ASSERT_TRUE(corrects(model_id_));
+  tells_ = false;
+  const ros::SteadyTime heard = ros::SteadyTime::now();
+  ASSERT_TRUE(
+      run([&] { return (ros::SteadyTime::now() - heard).toSec() > HomingWatch::kSilence + 0.2; }));
+  EXPECT_TRUE(corrects(model_id_)) << "robot_state_timeout is longer here";
+  tells_ = true;
+  EXPECT_TRUE(saysPreflight(CorrectionStatus::PREFLIGHT_NEEDED));
+  EXPECT_TRUE(saysCode(CorrectionStatus::PASSED_OFF));
+  EXPECT_TRUE(warns("may have been homed while its state was silent"));
+  EXPECT_TRUE(preflight().passed);
+  EXPECT_TRUE(enable(true).success);
+}
+
 TEST_F(PreflightFaults, AnOverrideIsTakenAndGoesOnBeingSaid) {
   EXPECT_TRUE(setMode("rigid", /*override_preflight=*/true).success);
   EXPECT_TRUE(corrects(model_id_));
@@ -311,27 +351,26 @@ TEST_F(PreflightFaults, OneRunsAtATimeAndSwitchingOffDoesNotWait) {
   ASSERT_TRUE(enable(true).success);
   ASSERT_TRUE(corrects(model_id_));
   sees_ = false;  // so that the first one goes on
-  const auto begin = [&] {
-    return std::async(std::launch::async, [name = probe_.nh.resolveName("corrector/preflight")] {
-      Preflight service;
-      service.request.duration = 20.0;
-      EXPECT_TRUE(ros::service::call(name, service));
-      return service.response;
-    });
-  };
-  auto first = begin();
-  Preflight::Response second;
-  EXPECT_TRUE(run([&] {
-    // It may have come in second itself.
-    if (first.wait_for(std::chrono::seconds(0)) == std::future_status::ready) first = begin();
-    second = preflight(0.2);
-    return second.message.find("a pre-flight is running") != std::string::npos;
-  })) << second.message;
+  auto first = beginPreflight();
   EXPECT_TRUE(enable(false).success);
   EXPECT_TRUE(saysCode(CorrectionStatus::PASSED_OFF));
-  EXPECT_NE(first.wait_for(std::chrono::seconds(0)), std::future_status::ready);
-  EXPECT_TRUE(
-      run([&] { return first.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }));
+  EXPECT_FALSE(isReady(first));
+  EXPECT_TRUE(run([&] { return isReady(first); }));
+}
+
+TEST_F(PreflightFaults, OneInWhoseMidstTheRobotIsHomedDoesNotPass) {
+  sees_ = false;  // so that it goes on
+  auto running = beginPreflight();
+  home();
+  sees_ = true;
+  ASSERT_TRUE(run([&] { return isReady(running); }));
+  const Preflight::Response judged = running.get();
+  EXPECT_FALSE(judged.success || judged.passed) << judged.message;
+  EXPECT_NE(judged.message.find("homed meanwhile"), std::string::npos) << judged.message;
+  EXPECT_LT(judged.position_median_mm, judged.position_limit_mm) << "else it would not pass anyway";
+  EXPECT_TRUE(saysPreflight(CorrectionStatus::PREFLIGHT_NEEDED));
+  EXPECT_FALSE(enable(true).success);
+  EXPECT_TRUE(preflight().passed) << "once more";
 }
 
 TEST_F(PreflightFaults, AStreamThatIsMissingIsNamedWithWhatIsThere) {

@@ -26,6 +26,7 @@
 #include "raven_correction/dataset/topic_check.h"
 #include "raven_correction/ros/arm_observer.h"
 #include "raven_correction/ros/corrector_params.h"
+#include "raven_correction/ros/homing_watch.h"
 #include "raven_correction/ros/latency_histogram.h"
 #include "raven_correction/ros/message_pool.h"
 #include "raven_correction/ros/pose_command.h"
@@ -89,10 +90,10 @@ class CorrectedArm {
   void preflight(const Preflight::Request& request, Preflight::Response& response);
   /// Ends a pre-flight that is running, for good.
   void stop() { observer_.stop(); }
-  /// The robot was homed: a model from before may be off. Where pre-flights are required all of
-  /// them are void, and the mode is off. Of the live thread, without lock.
-  /// @param now  Unix time, as in models [s]
-  void noteHoming(double now) noexcept;
+  /// The robot was homed just now, or may have been: a model from before may be off. Where
+  /// pre-flights are required all of them are void, and the mode is off. Of the live thread,
+  /// without lock.
+  void noteHoming(HomingWatch::Homing homing) noexcept;
   /// Topics that have to be there, for checkTopics().
   std::vector<TopicType> expectedTopics() const;
   void noteTopics(const std::vector<StreamFinding>& findings);
@@ -148,7 +149,9 @@ class CorrectedArm {
   std::atomic<ToolKnownBy> tool_known_by_{ToolKnownBy::kNotAsked};
 
   std::atomic<double> master_heard_at_;  // [s] of the steady clock
-  std::atomic<double> homed_at_{0.0};    // Unix time; 0: not seen [s]
+  // The last homing: by the clock of the recordings, and by that of the trainings [s].
+  std::atomic<HomingWatch::Homing> homing_{HomingWatch::Homing::kNone};
+  std::atomic<double> homed_at_{0.0}, homed_unix_{0.0};
 
   std::atomic<std::uint32_t> offs_{0};  // times it was switched off by somebody
   PreflightGate gate_;

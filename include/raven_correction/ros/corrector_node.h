@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "raven_correction/ros/corrected_arm.h"
+#include "raven_correction/ros/homing_watch.h"
 #include "raven_correction/ros/latched_replay.h"
 #include "raven_correction/ros/master_watch.h"
-#include "raven_correction/ros/robot_state.h"
 
 namespace raven_correction {
 
@@ -68,8 +68,7 @@ class CorrectorNode {
   std::tuple<MessagePool<geometry_msgs::PoseStamped>, MessagePool<geometry_msgs::TransformStamped>,
              MessagePool<RavenCommand>>
       pools_;
-  RobotState robot_state_;
-  ros::SteadyTime robot_state_at_;
+  HomingWatch robot_state_;
   bool robot_state_warned_ = false;
 
   // Set by one thread each, read by holdNow().

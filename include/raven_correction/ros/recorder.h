@@ -22,9 +22,9 @@
 #include "raven_correction/StopRecording.h"
 #include "raven_correction/TrajectoryEvent.h"
 #include "raven_correction/ros/delay_watch.h"
+#include "raven_correction/ros/homing_watch.h"
 #include "raven_correction/ros/live_synchroniser.h"
 #include "raven_correction/ros/registration.h"
-#include "raven_correction/ros/robot_state.h"
 #include "raven_correction/ros/session_writer.h"
 #include "raven_correction/ros/stamp_order.h"
 #include "raven_correction/ros/stream_watch.h"
@@ -141,8 +141,8 @@ class Recorder {
   DelayWatch delay_;
   std::unique_ptr<StreamWatch> watch_;
   std::set<std::string> warned_of_;  // stream and kind of findings
-  std::optional<RobotState> robot_state_;
-  ros::Time homed_at_;  // of the last homing that was seen; zero: none
+  HomingWatch robot_state_;
+  ros::Time homed_at_;  // of the last homing that was seen, or may have been; zero: none
   bool robot_state_warned_ = false;
   TrajectoryWindows trajectories_;
 
