@@ -19,17 +19,32 @@ constexpr double kLeastMotion = 0.005;  // that tells anything, median from the 
 constexpr double kOtherUnits = 100.0;   // one motion this many times the other [-]
 constexpr double kEarly = 0.03;         // observations before their commands [s]
 constexpr std::size_t kFollowPairs = 600;
+constexpr std::size_t kSpreadSamples = 20000;
+
+/// Positions from all trajectories, evenly chosen where there are more than kSpreadSamples: a
+/// session of half an hour has millions [m].
+std::vector<Eigen::Vector3d> positionsOf(const Dataset& dataset, PoseStream Trajectory::*stream,
+                                         ScreenedStream (*screen)(const PoseStream&)) {
+  std::size_t total = 0, k = 0;
+  for (const Trajectory& trajectory : dataset.trajectories) total += (trajectory.*stream).size();
+  const std::size_t stride = 1 + total / kSpreadSamples;
+  std::vector<Eigen::Vector3d> positions;
+  for (const Trajectory& trajectory : dataset.trajectories)
+    for (const StampedPose& sample : screen(trajectory.*stream).samples)
+      if (k++ % stride == 0) positions.push_back(sample.pose.p);
+  return positions;
+}
 
 /// Each coordinate's median, and the median distance from there [m].
-double spreadOf(const PoseStream& stream) {
-  if (stream.size() < kEnough) return 0.0;
+double spreadOf(const std::vector<Eigen::Vector3d>& positions) {
+  if (positions.size() < kEnough) return 0.0;
   Eigen::Vector3d middle;
-  std::vector<double> values(stream.size());
+  std::vector<double> values(positions.size());
   for (Eigen::Index k = 0; k < 3; ++k) {
-    for (std::size_t i = 0; i < stream.size(); ++i) values[i] = stream[i].pose.p(k);
+    for (std::size_t i = 0; i < positions.size(); ++i) values[i] = positions[i](k);
     middle(k) = median(values);
   }
-  for (std::size_t i = 0; i < stream.size(); ++i) values[i] = (stream[i].pose.p - middle).norm();
+  for (std::size_t i = 0; i < positions.size(); ++i) values[i] = (positions[i] - middle).norm();
   return median(values);
 }
 
@@ -40,14 +55,9 @@ void checkFollowing(const Dataset& dataset, const StreamCheckOptions& options,
   const std::string& commands_name = options.names[static_cast<std::size_t>(StreamRole::kCommands)];
   const std::string& observations_name =
       options.names[static_cast<std::size_t>(StreamRole::kObservations)];
-  PoseStream commands, observations;
-  for (const Trajectory& trajectory : dataset.trajectories) {
-    for (const StampedPose& sample : screenCommands(trajectory.commands).samples)
-      commands.push_back(sample);
-    for (const StampedPose& sample : screenObservations(trajectory.observations).samples)
-      observations.push_back(sample);
-  }
-  const double commanded = spreadOf(commands), observed = spreadOf(observations);
+  const double commanded = spreadOf(positionsOf(dataset, &Trajectory::commands, screenCommands));
+  const double observed =
+      spreadOf(positionsOf(dataset, &Trajectory::observations, screenObservations));
   if (commanded > 0.001 && observed > kOtherUnits * commanded) {
     findings.push_back(
         {Severity::kError, observations_name, "units",
