@@ -96,20 +96,16 @@ class TwoArms : public ::testing::Test {
   /// Sends one command and waits for the answers, which statuses_ then end with.
   void send(const std::array<Asked, 2>& asked) {
     stamp_ = std::max(stamp_ + ros::Duration(kPeriod), started_);
-    Bytes bytes;
-    bytes.header("0_link", stamp_.sec, stamp_.nsec).put(std::string("planner"));
-    bytes.put<std::uint8_t>(1).put<std::uint8_t>(1).put<std::uint32_t>(2);
-    bytes.put(std::string("L")).put(std::string("R")).put<std::uint32_t>(2);
-    for (const Asked& arm : asked) {
-      const Eigen::Vector4d& q = arm.pose.q.coeffs();
-      bytes.put<std::uint8_t>(1).put(arm.option);
-      for (const double value : {arm.pose.p.x(), arm.pose.p.y(), arm.pose.p.z()}) bytes.put(value);
-      for (int k = 0; k < 4; ++k) bytes.put(q(k));
-      bytes.put<std::uint8_t>(0).put(0.0f).put<std::uint32_t>(0).put<std::uint32_t>(0);
+    std::vector<ArmBytes> arms;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const Eigen::Vector3d& p = asked[i].pose.p;
+      const Eigen::Vector4d& q = asked[i].pose.q.coeffs();
+      arms.push_back(
+          {i == kLeft ? "L" : "R", asked[i].option, {p.x(), p.y(), p.z(), q(0), q(1), q(2), q(3)}});
     }
     const std::size_t left = statuses_[kLeft].size(), right = statuses_[kRight].size();
     RavenCommand message;
-    message.bytes = bytes.get();
+    message.bytes = raven_correction::command(arms, stamp_.sec, stamp_.nsec);
     publisher_.publish(message);
     ASSERT_TRUE(
         until([&] { return statuses_[kLeft].size() > left && statuses_[kRight].size() > right; }));

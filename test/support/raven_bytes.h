@@ -2,6 +2,7 @@
 // Messages of raven_2_msgs as bytes, made for tests of what reads them, and by no code of ours.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -32,7 +33,31 @@ class Bytes {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// A raven_2_msgs/RavenCommand.
+/// What a raven_2_msgs/RavenCommand says of one arm.
+struct ArmBytes {
+  std::string name;
+  std::uint8_t option;
+  std::array<double, 7> pose;  ///< position [m], quaternion x, y, z, w
+};
+
+/// A raven_2_msgs/RavenCommand with the pedal down and these arms active.
+inline std::vector<std::uint8_t> command(const std::vector<ArmBytes>& arms, std::uint32_t seconds,
+                                         std::uint32_t nanoseconds) {
+  Bytes bytes;
+  const auto count = static_cast<std::uint32_t>(arms.size());
+  bytes.header("0_link", seconds, nanoseconds).put(std::string("planner"));
+  bytes.put<std::uint8_t>(1).put<std::uint8_t>(1).put(count);
+  for (const ArmBytes& arm : arms) bytes.put(arm.name);
+  bytes.put(count);
+  for (const ArmBytes& arm : arms) {
+    bytes.put<std::uint8_t>(1).put(arm.option);
+    for (const double value : arm.pose) bytes.put(value);
+    bytes.put<std::uint8_t>(0).put(0.0f).put<std::uint32_t>(0).put<std::uint32_t>(0);
+  }
+  return bytes.get();
+}
+
+/// A raven_2_msgs/RavenCommand with parts that no corrector looks at.
 inline std::vector<std::uint8_t> command(const std::vector<std::string>& names,
                                          std::uint8_t option = 5, bool active = true,
                                          bool pedal_down = true) {
