@@ -215,9 +215,10 @@ void DebridementArm::takeBack() {
 
 std::optional<Eigen::Vector3d> DebridementArm::deviation() {
   DeviationReplanner probe({});  // which takes whatever it sees
-  if (!probe.measure(sent_, seenSince(last_stamp_ - motion_.window), last_stamp_))
+  if (!desired_ || !probe.measure(sent_, seenSince(last_stamp_ - motion_.window), last_stamp_))
     return std::nullopt;
-  return probe.translation();
+  // What it is off from what was sent, and that from what was asked for.
+  return probe.translation() + replanner_.command(*desired_, last_stamp_).p - desired_->p;
 }
 
 }  // namespace raven_correction

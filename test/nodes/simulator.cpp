@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
+#include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
 
@@ -171,6 +172,17 @@ TEST_F(Simulator, ResetBringsTheArmHome) {
   std_srvs::Trigger reset;
   ASSERT_TRUE(ros::service::call(nh.resolveName("simulator/reset"), reset));
   EXPECT_TRUE(until([&] { return (setpointPose().p - home.p).norm() < 1e-9; }));
+}
+
+TEST_F(Simulator, DoesNotHoldAClockThatIsNotItsOwn) {
+  std_srvs::SetBool pause;
+  pause.request.data = true;
+  ASSERT_TRUE(ros::service::call(nh.resolveName("simulator/pause"), pause));
+  EXPECT_FALSE(pause.response.success);
+  EXPECT_NE(pause.response.message.find("~clock_rate"), std::string::npos)
+      << pause.response.message;
+  const std::size_t before = measured.stamps.size();
+  EXPECT_TRUE(until([&] { return measured.stamps.size() > before + 5; })) << "it goes on";
 }
 
 TEST_F(Simulator, DropsAWrongFrameAndSaysSo) {

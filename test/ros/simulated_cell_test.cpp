@@ -152,6 +152,33 @@ TEST(SimulatedCell, ReportsTheOpeningOfTheJaw) {
   EXPECT_EQ(cell.report().jaw.back().positions(0), 0.8);
 }
 
+TEST(SimulatedCell, SaysWhenAndWhereTheJawPasses) {
+  const double limit = simulation().gripper.grasp_opening;
+  SimulatedCell cell(simulation(), {}, 1, kStart);
+  const auto passagesUntil = [&](double time) { return cell.advanceTo(time).passages; };
+  ASSERT_TRUE(cell.commandJaw(kStart, 0.0));
+  EXPECT_TRUE(passagesUntil(kStart + 0.5).empty()) << "closed it was before";
+  ASSERT_TRUE(cell.commandJaw(kStart + 0.5, 0.5 * limit));
+  EXPECT_TRUE(passagesUntil(kStart + 1.0).empty()) << "not as far as that";
+  ASSERT_TRUE(cell.commandJaw(kStart + 1.0, 0.8));
+  const std::vector<JawPassage> opened = passagesUntil(kStart + 2.0);
+  ASSERT_EQ(opened.size(), 1u);
+  EXPECT_FALSE(opened[0].closed);
+  EXPECT_GE(opened[0].opening, limit);
+  EXPECT_LT(opened[0].opening, 0.8) << "it is still on its way";
+  EXPECT_LT((opened[0].X_base_tool.p - cell.arm().toolPose().p).norm(), 1e-9);
+  ASSERT_TRUE(cell.commandJaw(kStart + 2.0, 0.0));
+  const std::vector<JawPassage> closed = passagesUntil(kStart + 3.0);
+  ASSERT_EQ(closed.size(), 1u);
+  EXPECT_TRUE(closed[0].closed);
+  EXPECT_EQ(closed[0].opening, 0.8) << "the widest since it was opened";
+  // From 0.8 rad at the speed of the jaw, after the delay of the controller, to the next report.
+  const double travel = (0.8 - limit) / simulation().gripper.speed;
+  EXPECT_GE(closed[0].stamp, kStart + 2.0 + travel);
+  EXPECT_LT(closed[0].stamp, kStart + 2.0 + travel + 0.1);
+  EXPECT_TRUE(passagesUntil(kStart + 4.0).empty());
+}
+
 /// The frames of a left arm whose neighbour passes between it and a camera, asked for every `tick`.
 PoseStream framesBesideAnother(double tick) {
   SimulationConfig left = loadSimulationConfig("config/simulation/nominal.yaml");
