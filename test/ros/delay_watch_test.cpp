@@ -120,6 +120,40 @@ TEST_F(DelayWatchTest, ForgetsWhatWasEstimatedAboutAnotherModel) {
   EXPECT_EQ(watch.message(), "");
 }
 
+TEST_F(DelayWatchTest, ForgetsTheStreamsAndTheAlarmWhenTheClockHasJumped) {
+  DelayWatch watch({});
+  watch.setModel("m", kDelay);
+  run(watch, 90.0, 0.05);
+  ASSERT_NE(watch.message(), "");
+  watch.clear();
+  EXPECT_FALSE(watch.known());
+  EXPECT_EQ(watch.message(), "");
+  EXPECT_EQ(watch.modelDelay(), kDelay) << "the model is the one it was";
+  run(watch, 20.0, 0.0);
+  EXPECT_FALSE(watch.known()) << "half of a window has to come first, of after the jump alone";
+  run(watch, 40.0, 0.0);
+  EXPECT_NEAR(watch.delay(), kDelay, 0.002);
+  EXPECT_EQ(watch.message(), "");
+}
+
+TEST_F(DelayWatchTest, AnEstimateThatIsMadeOfForgottenStreamsIsNotTakenIn) {
+  DelayWatch watch({});
+  watch.setModel("m", kDelay);
+  run(watch, 29.0, 0.05);
+  ASSERT_FALSE(watch.known());
+  for (; !watch.estimating(); time_ += 0.01) {  // as run() does, but nobody takes it in
+    ASSERT_LT(time_, 60.0);
+    watch.addCommand({kStart + time_, motion(time_)});
+    watch.addObservation({kStart + time_ + 0.05, motion(time_ - kDelay)});
+    watch.update();
+  }
+  watch.clear();
+  update(watch);
+  EXPECT_FALSE(watch.estimating());
+  EXPECT_FALSE(watch.known());
+  EXPECT_EQ(watch.message(), "");
+}
+
 TEST_F(DelayWatchTest, SaysNothingOfAToolAtRest) {
   DelayWatch watch({});
   watch.setModel("m", kDelay);
