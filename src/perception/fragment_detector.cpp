@@ -35,9 +35,13 @@ constexpr double kFlatShare = 0.55;  // height of the centre per median height o
 constexpr double kSurfaceNoise = 0.0002;  // of the height of a surface [m]
 constexpr double kLeaning = 0.37;  // of the mean thickness: from the centre of what leans to its
                                    // surface
-constexpr double kMark = 3.5e-4;   // so high a mark may seem; foam of 3 mm seems 0.5 mm or more [m]
-constexpr int kSurround = 11;      // twice what is looked at around a region [px]
-constexpr double kGate = 3.5;      // deviations
+constexpr double kMark = 3.5e-4;   // so high a mark may seem; foam of 3 mm seems 0.4 mm or more [m]
+constexpr double kSmallMark = 6.5e-4;  // likewise, in a region that is too small for a fragment and
+                                       // half of another: such foam seems 0.7 mm or more [m]
+constexpr double kConvex = 0.93;    // share of its convex hull that a region of one fragment fills
+constexpr double kWholeArea = 0.6;  // of the smallest fragment, per length_min^2
+constexpr int kSurround = 11;       // twice what is looked at around a region [px]
+constexpr double kGate = 3.5;       // deviations
 constexpr double kHeightAgreement = 0.004;  // of the centre from half of the top's height [m]
 
 void checkConfig(const FragmentDetectorConfig& c) {
@@ -141,20 +145,41 @@ PlaneMoments momentsOf(const std::vector<Eigen::Vector2d>& polygon, double noise
   return result;
 }
 
+/// Of a whole fragment, the smallest there is [px^2].
+double areaOfSmallest(const FragmentDetectorConfig& config, double pixels_per_metre) {
+  return kWholeArea * std::pow(config.length_min * pixels_per_metre, 2.0);
+}
+
+/// Whether a region fills its convex hull, as one piece of cut foam does. What is spilt seldom
+/// does.
+bool isConvex(const cv::Mat& region) {
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(region, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  const auto longest =
+      std::max_element(contours.begin(), contours.end(),
+                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  std::vector<cv::Point> hull;
+  cv::convexHull(*longest, hull);
+  return cv::contourArea(*longest) >= kConvex * cv::contourArea(hull);
+}
+
 /// Regions whose outline lies on the platform are marks on it, e.g. blood: no foam. One height for
-/// foam and what surrounds it lies between the platform and the foam.
-void removeFlatMarks(const cv::Mat& left_redness, const cv::Mat& right_redness,
-                     const PlaneSweep& sweep, const FragmentDetectorConfig& config, cv::Mat& mask) {
+/// foam and what surrounds it lies between the platform and the foam. A region that is too small
+/// for a fragment and half of another is a mark, too, if it has not the shape of one.
+void removeMarks(const cv::Mat& left_redness, const cv::Mat& right_redness, const PlaneSweep& sweep,
+                 const FragmentDetectorConfig& config, double area_whole, cv::Mat& mask) {
   cv::Mat regions;
   const int n = cv::connectedComponents(mask, regions, 8, CV_32S);
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {kSurround, kSurround});
   for (int k = 1; k < n; ++k) {
     const cv::Mat region = regions == k;
+    const bool small = cv::countNonZero(region) < 1.5 * area_whole;
     cv::Mat with_surroundings;
     cv::dilate(region, with_surroundings, disc);
     const double height =
         regionHeight(left_redness, right_redness, with_surroundings, sweep, config.height_max);
-    if (height < std::min(kMark, config.height_min)) mask.setTo(0, region);
+    const bool flat = height < std::min(small ? kSmallMark : kMark, config.height_min);
+    if (flat || (small && !isConvex(region))) mask.setTo(0, region);
   }
 }
 
@@ -248,7 +273,8 @@ void useSurface(const FragmentDetectorConfig& config, bool alone, FragmentDetect
 std::optional<FragmentDetection> measure(const Sight& sight, const Outline& left,
                                          const Outline& right, double top) {
   const FragmentDetectorConfig& config = sight.config;
-  const double area_min = 0.4 * std::pow(config.length_min * sight.pixels_per_metre, 2.0);
+  // Of one that is less than half visible too little is known.
+  const double area_min = 0.5 * areaOfSmallest(config, sight.pixels_per_metre);
   if (left.area < area_min || right.area < area_min) return std::nullopt;
   FragmentDetection fragment;
   fragment.partly_hidden = std::max(left.hidden_share, right.hidden_share) > kHiddenShare;
@@ -376,13 +402,14 @@ std::vector<FragmentDetection> FragmentDetector::detect(const cv::Mat& left, con
   cv::remap(left, left_rect, left_map_, left_map_fine_, cv::INTER_LINEAR);
   cv::remap(right, right_rect, right_map_, right_map_fine_, cv::INTER_LINEAR);
 
-  const double area_min = 0.4 * std::pow(config_.length_min * pixels_per_metre_, 2.0);
+  const double area_min = 0.5 * areaOfSmallest(config_, pixels_per_metre_);
   const cv::Mat left_redness = redness(left_rect);
   const cv::Mat right_redness = redness(right_rect);
   cv::Mat left_mask = foamMask(left_redness, field_left_, config_.redness_min, area_min);
   const cv::Mat right_mask = foamMask(right_redness, field_right_, config_.redness_min, area_min);
   const PlaneSweep sweep(camera_, X_field_camera_);
-  removeFlatMarks(left_redness, right_redness, sweep, config_, left_mask);
+  removeMarks(left_redness, right_redness, sweep, config_,
+              areaOfSmallest(config_, pixels_per_metre_), left_mask);
   const cv::Mat height =
       heightMap(left_rect, right_rect, left_mask, right_mask, sweep, config_.height_max);
   PieceLimits limits;

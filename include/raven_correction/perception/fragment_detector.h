@@ -17,7 +17,7 @@ struct FragmentDetectorConfig {
   double field_depth = 0.08;     ///< along its y [m]
   double height_min = 0.001;     ///< of a fragment's centre above the platform
   double height_max = 0.015;     ///< [m]
-  double length_min = 0.005;     ///< of a fragment's outline from above [m]
+  double length_min = 0.0063;    ///< of a fragment's outline from above [m]
   double length_max = 0.016;     ///< a longer one is split or refused [m]
   double thickness_min = 0.003;  ///< of a fragment as it lies flat [m]
   double thickness_max = 0.006;  ///< what is higher lies on another one [m]
@@ -51,8 +51,9 @@ struct FragmentDetectorTrace {
 /// 1. Both images are rectified: lens removed, rows are epipolar lines.
 /// 2. Colour: log red over green and blue, relative to the median of the field, so that neither
 ///    shadow nor exposure nor white balance counts; the limit is half way to the median of foam.
-/// 3. Height: a red region that fits the right image best on the platform is no foam; elsewhere the
-///    left image is matched with the right one as planes at many heights would show it.
+/// 3. Height: a red region that fits the right image best on the platform is no foam, nor is a small
+///    one that is not convex; elsewhere the left image is matched with the right one as planes at
+///    many heights would show it.
 /// 4. Pieces: a watershed cuts foam into small ones, and those that are one fragment are joined
 ///    again, by colour, height, seam and shape; the weights of these cues are trained.
 /// 5. Each piece is found again in the right image on the same rows, by its height, and cut out
