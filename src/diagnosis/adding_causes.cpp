@@ -119,7 +119,7 @@ Selector::Choice Selector::chooseAmong(const std::vector<Finalist>& finalists,
     const Eigen::VectorXd& better = choice.best->held_out;
     const LossComparison worse = rule_.compare(finalist->held_out, better, better);
     if (&*finalist == choice.best ||
-        (worse.z_mean <= kTie && finalist->gain >= kTieShare * choice.best->gain)) {
+        (worse.z_mean <= Rival::kTie && finalist->gain >= kTieShare * choice.best->gain)) {
       choice.equal.push_back(&*finalist);
     } else if (finalist->gain > choice.next_gain) {
       choice.next = &*finalist;

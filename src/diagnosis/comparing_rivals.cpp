@@ -30,7 +30,7 @@ std::unique_ptr<Rival> Selector::compareWith(const Candidate& equal, const Membe
   const LossComparison ahead = rule_.compare(held_out, held_out_, held_out_);
   const double gain = rule_.compare(dropped.held_out, held_out_).share;
   const double rivals_gain = rule_.compare(dropped.held_out, held_out).share;
-  if (ahead.z_mean > kTie || rivals_gain < kTieShare * gain) return nullptr;
+  if (ahead.z_mean > Rival::kTie || rivals_gain < kTieShare * gain) return nullptr;
 
   auto rival = std::make_unique<Rival>();
   rival->hypothesis = candidate.hypothesis;

@@ -48,9 +48,8 @@ struct Finalist {
   double gain = 0.0;         // of held-out motions: no more than `most`
 };
 
-// Two explanations of held-out motions cannot be told apart with z (LossComparison) up to kTie, if
-// the lesser one explains at least kTieShare of what the better does.
-constexpr double kTie = 2.0;
+// Two explanations of held-out motions cannot be told apart with z (LossComparison) up to
+// Rival::kTie, if the lesser one explains at least kTieShare of what the better does.
 constexpr double kTieShare = 0.9;
 
 /// Whether they have a parameter in common.

@@ -52,8 +52,7 @@ std::vector<std::string> equalLabels(const Verdict& verdict, const Cause& cause)
 }
 
 const char* relationTo(const Rival& rival) {
-  constexpr double kBetter = -2.0;  // z from which on it is the rival that predicts better
-  return rival.z < kBetter ? "the held-out motions speak rather for" : "cannot be told here from";
+  return rival.isAhead() ? "the held-out motions speak rather for" : "cannot be told here from";
 }
 
 std::string rivalText(const Rival& rival) {

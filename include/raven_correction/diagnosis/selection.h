@@ -27,6 +27,11 @@ struct SelectionOptions {
 /// A hypothesis that, in the place of a cause and with all other causes fitted again, explains the
 /// held-out motions as well.
 struct Rival {
+  /// Two explanations cannot be told apart with |z| up to this [-].
+  static constexpr double kTie = 2.0;
+  /// The held-out motions speak for the rival rather than for the cause, which is the simpler one.
+  bool isAhead() const noexcept { return z < -kTie; }
+
   Hypothesis hypothesis;
   Eigen::VectorXd values, deviations;  ///< what its parameters would be, as in Cause
   double relative_gain = 0.0;  ///< of the held-out loss without the cause, over the cause's own [-]
