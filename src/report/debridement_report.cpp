@@ -46,6 +46,13 @@ Json conditionJson(const DebridementCondition& condition, std::uint64_t seed) {
                                    : Json(kMillimetre * condition.deviation_limit);
   json["smallest_distance_mm"] =
       std::isfinite(condition.clearance) ? Json(kMillimetre * condition.clearance) : Json(nullptr);
+  const CorrectedPoses& poses = condition.poses;
+  const auto share = [&](std::uint64_t part) {
+    return poses.all == 0 ? Json(nullptr) : Json(percentOf(part, poses.all));
+  };
+  json["poses"] = poses.all;
+  json["poses_corrected_percent"] = share(poses.corrected);
+  json["poses_reduced_percent"] = share(poses.reduced);
   json["scenes"] = Json::array();
   for (const ClearedField& field : condition.fields) json["scenes"].push_back(sceneJson(field));
   return json;

@@ -13,10 +13,12 @@ double firstTryShare(const DebridementSummary& summary) {
                                  : 0.0;
 }
 
+double percentOf(std::uint64_t part, std::uint64_t all) {
+  return all == 0 ? 0.0 : kPercent * static_cast<double>(part) / static_cast<double>(all);
+}
+
 double latePercent(const DebridementReport& report) {
-  return report.cycles == 0 ? 0.0
-                            : kPercent * static_cast<double>(report.late_cycles) /
-                                  static_cast<double>(report.cycles);
+  return percentOf(report.late_cycles, report.cycles);
 }
 
 const DebridementCondition* conditionOf(const DebridementReport& report, const std::string& name) {
@@ -89,6 +91,12 @@ const std::vector<DebridementRow>& debridementRows() {
        [](const C&, const S& s) { return format("%.1f", s.busy_per_fragment); }},
       {"waited for the other arm [s]",
        [](const C&, const S& s) { return format("%.1f", s.waited); }},
+      {"poses corrected; of all, less than in full [%]",
+       [](const C& c, const S&) {
+         return c.poses.all == 0 ? std::string("none")
+                                 : format("%.1f; %.1f", percentOf(c.poses.corrected, c.poses.all),
+                                          percentOf(c.poses.reduced, c.poses.all));
+       }},
       {"smallest distance of the arms [mm]", [](const C& c, const S&) {
          return std::isfinite(c.clearance) ? format("%.1f", kMillimetre * c.clearance)
                                            : std::string("one arm");

@@ -2,6 +2,7 @@
 // What the table, the JSON and the page of the debridement experiment share.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ constexpr double kPaperSpeedUp = 3.8;
 constexpr double kPaperSecondsPerFragment = 15.8;
 
 double firstTryShare(const DebridementSummary& summary);
+double percentOf(std::uint64_t part, std::uint64_t all);  ///< 0 of nothing
 double latePercent(const DebridementReport& report);
 const DebridementCondition* conditionOf(const DebridementReport& report, const std::string& name);
 /// Of a condition over the baseline; nothing where one of them is missing.

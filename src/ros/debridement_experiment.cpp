@@ -47,6 +47,12 @@ const Manner kManners[] = {{"baseline", "off", 0.01, 1.0, 1.5, false},
                            {"corrected", "full", 0.06, 0.0, 0.25, false},
                            {"corrected_replanning", "full", 0.06, 0.0, 0.25, true}};
 
+std::vector<std::string> namespacesOf(unsigned arms) {
+  std::vector<std::string> all;
+  for (unsigned i = 0; i < arms; ++i) all.emplace_back(placeOf(i).ns);
+  return all;
+}
+
 class Experiment {
  public:
   Experiment(const DebridementParams& params, PrivateLaunch& launch, const Progress& progress)
@@ -55,7 +61,7 @@ class Experiment {
         progress_(progress),
         spinner_(3),
         eye_("/field_camera", kSimulator),
-        witness_(kCamera, kSimulator, params.folder + "/grasps.csv") {
+        witness_(namespacesOf(params.arms), kCamera, kSimulator, params.folder + "/grasps.csv") {
     spinner_.start();
     std::vector<std::string> services{std::string(kCamera) + "/load_scene",
                                       std::string(kCamera) + "/take_picture",
@@ -185,6 +191,7 @@ class Experiment {
       fragments += condition.fields.back().fragments;
     }
     condition.clearance = witness_.clearance();
+    condition.poses = witness_.poses();
     return condition;
   }
 

@@ -7,10 +7,12 @@
 #include <cmath>
 
 #include "raven_correction/error.h"
+#include "raven_correction/ros/topics.h"
 
 namespace raven_correction {
 
-DebridementWitness::DebridementWitness(const std::string& camera, const std::string& simulator,
+DebridementWitness::DebridementWitness(const std::vector<std::string>& arms,
+                                       const std::string& camera, const std::string& simulator,
                                        const std::string& file)
     : table_(file) {
   table_ << "condition,scene,stamp,gripper,outcome,fragment,along_mm,across_mm,pads_mm,extent_mm,"
@@ -23,12 +25,17 @@ DebridementWitness::DebridementWitness(const std::string& camera, const std::str
         const std::lock_guard<std::mutex> lock(mutex_);
         clearance_ = std::min(clearance_, message->data);
       }));
+  for (const std::string& arm : arms)
+    subscribers_.push_back(nh.subscribe<CorrectionStatus>(
+        arm + "/" + topics::kStatus, 1000,
+        [this](const CorrectionStatusConstPtr& message) { onStatus(*message); }));
 }
 
 void DebridementWitness::begin(const std::string& condition) {
   const std::lock_guard<std::mutex> lock(mutex_);
   condition_ = condition;
   clearance_ = std::numeric_limits<double>::infinity();
+  poses_ = {};
 }
 
 void DebridementWitness::begin(std::uint64_t scene) {
@@ -45,6 +52,19 @@ unsigned DebridementWitness::count(std::uint8_t outcome) const {
 double DebridementWitness::clearance() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return clearance_;
+}
+
+CorrectedPoses DebridementWitness::poses() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return poses_;
+}
+
+void DebridementWitness::onStatus(const CorrectionStatus& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++poses_.all;
+  if (status.code > CorrectionStatus::RIGID_ONLY) return;
+  ++poses_.corrected;
+  if (status.code != CorrectionStatus::CORRECTED) ++poses_.reduced;
 }
 
 void DebridementWitness::onGrasp(const GraspResult& message) {

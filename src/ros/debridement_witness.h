@@ -12,26 +12,31 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/CorrectionStatus.h"
 #include "raven_correction/GraspResult.h"
+#include "raven_correction/report/debridement_report.h"
 
 namespace raven_correction {
 
 /// Thread-safe; needs somebody who spins.
 class DebridementWitness {
  public:
+  /// @param arms               namespaces, each with a corrector
   /// @param camera, simulator  names of the nodes
   /// @param file               every jaw is written to it (CSV)
-  DebridementWitness(const std::string& camera, const std::string& simulator,
-                     const std::string& file);
+  DebridementWitness(const std::vector<std::string>& arms, const std::string& camera,
+                     const std::string& simulator, const std::string& file);
   void begin(const std::string& condition);
   void begin(std::uint64_t scene);
   /// Of the scene. @param outcome  of GraspResult
   unsigned count(std::uint8_t outcome) const;
   /// Smallest distance of the instruments in the condition; infinite for one arm [m].
   double clearance() const;
+  CorrectedPoses poses() const;  ///< in the condition
 
  private:
   void onGrasp(const GraspResult& message);
+  void onStatus(const CorrectionStatus& status);
 
   mutable std::mutex mutex_;  // guards what follows
   std::ofstream table_;
@@ -39,6 +44,7 @@ class DebridementWitness {
   std::uint64_t scene_ = 0;
   std::array<unsigned, 6> counts_{};
   double clearance_ = std::numeric_limits<double>::infinity();
+  CorrectedPoses poses_;
   std::vector<ros::Subscriber> subscribers_;  // last: callbacks use all of the above
 };
 

@@ -71,6 +71,7 @@ DebridementReport debridement(unsigned delivered) {
   report.arms = 2;
   report.attempts = 4;
   report.conditions = {cleared("baseline", 5, 200.0), cleared("corrected", delivered, 50.0)};
+  report.conditions[1].poses = {2000, 1970, 40};
   DebridementLearning learning;
   learning.arm = "left";
   learning.places = 120;
@@ -87,9 +88,13 @@ TEST(DebridementPage, SaysTheSameInTextJsonAndPage) {
   EXPECT_NEAR(json["success_difference_percent"].get<double>(), 100.0 / 6.0, 1e-9);
   EXPECT_NEAR(json["training"][0]["trial_deviation_mm"].get<double>(), 1.23, 1e-9);
   EXPECT_FALSE(json.contains("speedup_replanning"));
+  EXPECT_TRUE(json["baseline"]["poses_corrected_percent"].is_null()) << "nobody was asked";
+  EXPECT_NEAR(json["corrected"]["poses_corrected_percent"].get<double>(), 98.5, 1e-9);
+  EXPECT_NEAR(json["corrected"]["poses_reduced_percent"].get<double>(), 2.0, 1e-9);
   const std::string text = debridementText(debridement(6));
   EXPECT_TRUE(contains(text, "success +16.7 points (+16.7 to +16.7): higher")) << text;
   EXPECT_TRUE(contains(text, "4567 pairs at 120 places")) << text;
+  EXPECT_TRUE(contains(text, "98.5; 2.0")) << text;
   const std::string page = withPlainSpaces(debridementHtml(debridement(6), {}));
   EXPECT_EQ(problemsOf(page), "");
   EXPECT_TRUE(contains(page, "its success rate is no lower than the baseline"));

@@ -12,6 +12,13 @@
 
 namespace raven_correction {
 
+/// What the correctors said of the desired poses that they were sent.
+struct CorrectedPoses {
+  std::uint64_t all = 0;
+  std::uint64_t corrected = 0;  ///< of all
+  std::uint64_t reduced = 0;    ///< of the corrected ones: faded, limited, or the rigid step alone
+};
+
 struct DebridementCondition {
   std::string name;              ///< baseline, corrected or corrected_replanning
   double speed = 0.0;            ///< peak [m/s]
@@ -21,6 +28,7 @@ struct DebridementCondition {
   double deviation_limit = 0.0;
   std::vector<ClearedField> fields;
   double clearance = 0.0;  ///< smallest distance of the instruments; infinite for one [m]
+  CorrectedPoses poses;
 };
 
 struct DebridementLearning {
@@ -60,7 +68,8 @@ std::string debridementText(const DebridementReport& report);
 /// "retries_per_fragment", "first_try_percent", "missed_grasps", "dropped", "replans",
 /// "arm_seconds_per_fragment", "seconds", "waited_seconds", "speed_cm_per_s", "replan_interval_s",
 /// "deviation_limit_mm" (null: each arm's own usual_prediction_mm, see "training"),
-/// "smallest_distance_mm" (null for one arm), "scenes": [...]},
+/// "smallest_distance_mm" (null for one arm), "poses", "poses_corrected_percent",
+/// "poses_reduced_percent" (of all, null without poses), "scenes": [...]},
 /// "speedup", "speedup_interval": [lo, hi], "speedup_replanning", "speedup_replanning_interval",
 /// "success_difference_percent", "success_difference_interval_percent": [lo, hi] (corrected less
 /// baseline, same scenes), the same with "_replanning",
