@@ -84,7 +84,6 @@ class Experiment {
     report.arms = params_.arms;
     report.seed = params_.seed;
     report.attempts = params_.attempts;
-    report.folder = params_.folder;
     report.look_time = ArmMotion().look_time;
     const ros::Time simulated_begin = ros::Time::now();
     const ros::SteadyTime begin = ros::SteadyTime::now();

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/live_experiment.h"
 
+#include <CLI/CLI.hpp>
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
 #include "raven_correction/error.h"
+#include "raven_correction/ros/command_record.h"
 
 namespace raven_correction {
 
@@ -22,9 +25,8 @@ bool endsWith(const std::string& text, const std::string& ending) {
          text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
-}  // namespace
-
-std::string experimentFolder(const std::string& experiment, const std::string& output) {
+/// Where the nodes write: `output`, made if need be, or a temporary folder.
+std::string folderOf(const std::string& experiment, const std::string& output) {
   if (output.empty()) {
     std::string name = fs::temp_directory_path() / ("raven_correction_" + experiment + "_XXXXXX");
     if (mkdtemp(name.data()) == nullptr)
@@ -36,6 +38,32 @@ std::string experimentFolder(const std::string& experiment, const std::string& o
     throw InvalidInput(
         format("%s: is not empty; nothing was written, choose another folder", output.c_str()));
   return output;
+}
+
+}  // namespace
+
+void addLiveFiles(CLI::App& command, LiveFiles& files, const std::string& kept) {
+  command.add_option("--output", files.output,
+                     "keep " + kept + " and log in this folder (empty or new)");
+  addNumberOptions(command, files.numbers);
+  command.add_option("--report", files.report, "write a page with figures (HTML, one file)");
+}
+
+void runLiveExperiment(
+    const std::string& name, const LiveFiles& files,
+    const std::function<LiveResult(const std::string& folder, const std::string& shown)>& run) {
+  checkNumberFiles(files.numbers);
+  checkOutputFile(files.report, true);
+  const std::string folder = folderOf(name, files.output);
+  const LiveResult result = run(folder, files.output.empty() ? "" : folder);
+  writeNumbers(files.numbers, result.json);
+  std::fputs(result.text.c_str(), stdout);
+  if (!files.report.empty()) {
+    RunRecord record = recordRun({});
+    record.settings = result.settings;
+    writeTextFile(files.report, result.html(record));
+  }
+  if (files.output.empty()) fs::remove_all(folder);
 }
 
 void waitForModel(const std::string& corrector, const std::string& model, PrivateLaunch& launch) {

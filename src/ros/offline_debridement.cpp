@@ -2,13 +2,10 @@
 // offline experiment debridement: section V-D of the paper on simulated arms, through the real
 // nodes, on a ROS master that the command starts and ends.
 #include <CLI/CLI.hpp>
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 
 #include "raven_correction/error.h"
 #include "raven_correction/report/debridement_report.h"
-#include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/debridement_experiment.h"
 #include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/offline.h"
@@ -18,33 +15,26 @@ namespace {
 
 struct Arguments {
   DebridementParams params;
-  std::string output, report;
-  NumberFiles numbers;
+  LiveFiles files;
 };
 
-void writeReport(const Arguments& arguments, const DebridementParams& params,
-                 const DebridementReport& report) {
-  RunRecord record = recordRun({});
-  record.settings = {{"fragments", std::to_string(params.fragments)},
-                     {"arms", std::to_string(params.arms)},
-                     {"places to learn from", std::to_string(params.rehearsals)},
-                     {"attempts", std::to_string(params.attempts)},
-                     {"seed", std::to_string(params.seed)}};
-  writeTextFile(arguments.report, debridementHtml(report, record));
-}
-
 void run(const Arguments& arguments) {
-  checkNumberFiles(arguments.numbers);
-  checkOutputFile(arguments.report, true);
   DebridementParams params = arguments.params;
   checkDebridement(params);
-  params.folder = experimentFolder("debridement", arguments.output);
-  DebridementReport report = runDebridement(params, showProgress);
-  if (arguments.output.empty()) report.folder.clear();
-  writeNumbers(arguments.numbers, debridementJson(report));
-  std::fputs(debridementText(report).c_str(), stdout);
-  if (!arguments.report.empty()) writeReport(arguments, params, report);
-  if (arguments.output.empty()) std::filesystem::remove_all(params.folder);
+  runLiveExperiment(
+      "debridement", arguments.files, [&](const std::string& folder, const std::string& shown) {
+        params.folder = folder;
+        DebridementReport report = runDebridement(params, showProgress);
+        report.folder = shown;
+        return LiveResult{debridementText(report),
+                          debridementJson(report),
+                          [report](const RunRecord& run) { return debridementHtml(report, run); },
+                          {{"fragments", std::to_string(params.fragments)},
+                           {"arms", std::to_string(params.arms)},
+                           {"places to learn from", std::to_string(params.rehearsals)},
+                           {"attempts", std::to_string(params.attempts)},
+                           {"seed", std::to_string(params.seed)}}};
+      });
 }
 
 }  // namespace
@@ -57,9 +47,7 @@ void addDebridementExperiment(CLI::App& experiment) {
       "Section V-D of the paper: fragments of foam are found by a stereo camera, picked up and "
       "carried away; slowly and replanning without correction, fast and open loop with it, and "
       "replanning where the correction is not sure. Through the real nodes and simulated arms, "
-      "on "
-      "a "
-      "ROS master of its own");
+      "on a ROS master of its own");
   command->add_option("--fragments", params.fragments,
                       "in each condition, at least: whole scenes are cleared; default 60");
   command->add_option("--arms", params.arms,
@@ -86,12 +74,7 @@ void addDebridementExperiment(CLI::App& experiment) {
       format("simulated seconds per real second, at most; default %g", params.clock_rate));
   command->add_option("--config", params.configuration,
                       "training configuration; default: config/trainer.yaml of the package");
-  command->add_option(
-      "--output", arguments->output,
-      "keep bags, models, every grasp (grasps.csv) and log in this folder (empty or "
-      "new)");
-  addNumberOptions(*command, arguments->numbers);
-  command->add_option("--report", arguments->report, "write a page with figures (HTML, one file)");
+  addLiveFiles(*command, arguments->files, "bags, models, every grasp (grasps.csv)");
   command->callback([arguments] { run(*arguments); });
 }
 

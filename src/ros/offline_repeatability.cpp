@@ -2,12 +2,10 @@
 // offline experiment repeatability: Table II of the paper on the simulated robot, through the real
 // nodes, on a ROS master that the command starts and ends.
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 
 #include "raven_correction/error.h"
 #include "raven_correction/report/repeatability_report.h"
-#include "raven_correction/ros/command_record.h"
 #include "raven_correction/ros/live_experiment.h"
 #include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/repeatability_experiment.h"
@@ -15,33 +13,27 @@
 namespace raven_correction {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Arguments {
   RepeatabilityParams params;
-  std::string output, report;
-  NumberFiles numbers;
+  LiveFiles files;
 };
 
 void run(const Arguments& arguments) {
-  checkNumberFiles(arguments.numbers);
-  checkOutputFile(arguments.report, true);
   RepeatabilityParams params = arguments.params;
   checkRepeatability(params);
-  params.folder = experimentFolder("repeatability", arguments.output);
-  RepeatabilityReport report = runRepeatability(params, showProgress);
-  if (arguments.output.empty()) report.folder.clear();
-  writeNumbers(arguments.numbers, repeatabilityJson(report));
-  std::fputs(repeatabilityText(report).c_str(), stdout);
-  if (!arguments.report.empty()) {
-    RunRecord record = recordRun({});
-    record.settings = {{"poses", std::to_string(params.poses)},
-                       {"visits of each", std::to_string(params.visits)},
-                       {"motions to learn from", std::to_string(params.trajectories)},
-                       {"seed", std::to_string(params.seed)}};
-    writeTextFile(arguments.report, repeatabilityHtml(report, record));
-  }
-  if (arguments.output.empty()) fs::remove_all(params.folder);
+  runLiveExperiment(
+      "repeatability", arguments.files, [&](const std::string& folder, const std::string& shown) {
+        params.folder = folder;
+        RepeatabilityReport report = runRepeatability(params, showProgress);
+        report.folder = shown;
+        return LiveResult{repeatabilityText(report),
+                          repeatabilityJson(report),
+                          [report](const RunRecord& run) { return repeatabilityHtml(report, run); },
+                          {{"poses", std::to_string(params.poses)},
+                           {"visits of each", std::to_string(params.visits)},
+                           {"motions to learn from", std::to_string(params.trajectories)},
+                           {"seed", std::to_string(params.seed)}}};
+      });
 }
 
 }  // namespace
@@ -69,10 +61,7 @@ void addRepeatabilityExperiment(CLI::App& experiment) {
                     "the model does not know from which side each joint of the robot has come");
   command->add_option("--config", params.configuration,
                       "training configuration; default: config/trainer.yaml of the package");
-  command->add_option("--output", arguments->output,
-                      "keep bags, model and log in this folder (empty or new)");
-  addNumberOptions(*command, arguments->numbers);
-  command->add_option("--report", arguments->report, "write a page with figures (HTML, one file)");
+  addLiveFiles(*command, arguments->files, "bags, model");
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -111,7 +111,6 @@ class Experiment {
     report.poses = params_.poses;
     report.visits = params_.visits;
     report.seed = params_.seed;
-    report.folder = params_.folder;
 
     phase("visits without correction", visiting);
     report.conditions.push_back(visit("none"));

@@ -7,10 +7,15 @@
 
 #include <CLI/App.hpp>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "raven_correction/report/run_record.h"
+#include "raven_correction/ros/offline.h"
 #include "raven_correction/ros/private_launch.h"
 
 namespace raven_correction {
@@ -18,10 +23,32 @@ namespace raven_correction {
 /// Adds its subcommand to the command `experiment`, as those of offline.h.
 void addDebridementExperiment(CLI::App& experiment);
 
-/// Where the nodes write: `output`, made if need be; without one a temporary folder, which the
-/// caller removes, so that it stays, with the nodes' log, when the experiment fails.
-/// @throws InvalidInput  `output` is not empty, or the folder cannot be made
-std::string experimentFolder(const std::string& experiment, const std::string& output);
+/// What a live experiment writes, as the options of its command say.
+struct LiveFiles {
+  std::string output;  ///< folder of what the nodes write; empty: it is not kept
+  std::string report;  ///< page with figures; empty: none
+  NumberFiles numbers;
+};
+/// Adds --output, --report and those of addNumberOptions().
+/// @param kept  what the nodes write, for --help
+void addLiveFiles(CLI::App& command, LiveFiles& files, const std::string& kept);
+
+/// The result of a live experiment, for people, programs and browsers.
+struct LiveResult {
+  std::string text, json;
+  std::function<std::string(const RunRecord&)> html;
+  std::vector<std::pair<std::string, std::string>> settings;  ///< of the run, for its page
+};
+/// Runs one and writes its result; nothing begins where a file could not be written in the end.
+/// @param name  of the subcommand
+/// @param run   is given the folder of the nodes, and how the result calls it: empty if it is not
+///              kept. Where none is asked for it is a temporary one, which stays, with the nodes'
+///              log, if the experiment fails
+/// @throws InvalidInput  a file or folder that cannot be written, or the folder is not empty; and
+///         what `run` throws
+void runLiveExperiment(
+    const std::string& name, const LiveFiles& files,
+    const std::function<LiveResult(const std::string& folder, const std::string& shown)>& run);
 
 /// Returns when the corrector says in /diagnostics that it uses this model. A model that is live at
 /// the trainer is still on its way, and the corrector passes on what comes before it as it is.
