@@ -22,16 +22,21 @@ constexpr std::size_t kFollowPairs = 600;
 constexpr std::size_t kSpreadSamples = 20000;
 
 /// Positions from all trajectories, evenly chosen where there are more than kSpreadSamples: a
-/// session of half an hour has millions [m].
+/// session of half an hour has millions. One trajectory at a time is copied [m].
 std::vector<Eigen::Vector3d> positionsOf(const Dataset& dataset, PoseStream Trajectory::*stream,
                                          ScreenedStream (*screen)(const PoseStream&)) {
-  std::size_t total = 0, k = 0;
-  for (const Trajectory& trajectory : dataset.trajectories) total += (trajectory.*stream).size();
-  const std::size_t stride = 1 + total / kSpreadSamples;
   std::vector<Eigen::Vector3d> positions;
+  std::size_t stride = 1, k = 0;
   for (const Trajectory& trajectory : dataset.trajectories)
-    for (const StampedPose& sample : screen(trajectory.*stream).samples)
-      if (k++ % stride == 0) positions.push_back(sample.pose.p);
+    for (const StampedPose& sample : screen(trajectory.*stream).samples) {
+      if (k++ % stride != 0) continue;
+      positions.push_back(sample.pose.p);
+      if (positions.size() < kSpreadSamples) continue;
+      // Every other one stays, of these and of what is to come.
+      for (std::size_t i = 0; 2 * i < positions.size(); ++i) positions[i] = positions[2 * i];
+      positions.resize((positions.size() + 1) / 2);
+      stride *= 2;
+    }
   return positions;
 }
 

@@ -35,9 +35,11 @@ constexpr double kFlatShare = 0.55;  // height of the centre per median height o
 constexpr double kSurfaceNoise = 0.0002;  // of the height of a surface [m]
 constexpr double kLeaning = 0.37;  // of the mean thickness: from the centre of what leans to its
                                    // surface
-constexpr double kMark = 3.5e-4;   // so high a mark may seem; foam of 3 mm seems 0.4 mm or more [m]
-constexpr double kSmallMark = 6.5e-4;  // likewise, in a region that is too small for a fragment and
-                                       // half of another: such foam seems 0.7 mm or more [m]
+// So high a mark may seem, per thickness_min: in 800 rendered scenes regions of foam, 3 mm thick or
+// more, seemed 0.4 mm high or more, and 0.7 mm where they were too small for a fragment and half of
+// another.
+constexpr double kMark = 0.117;
+constexpr double kSmallMark = 0.217;
 constexpr double kConvex = 0.93;    // share of its convex hull that a region of one fragment fills
 constexpr double kWholeArea = 0.6;  // of the smallest fragment, per length_min^2
 constexpr int kSurround = 11;       // twice what is looked at around a region [px]
@@ -178,7 +180,8 @@ void removeMarks(const cv::Mat& left_redness, const cv::Mat& right_redness, cons
     cv::dilate(region, with_surroundings, disc);
     const double height =
         regionHeight(left_redness, right_redness, with_surroundings, sweep, config.height_max);
-    const bool flat = height < std::min(small ? kSmallMark : kMark, config.height_min);
+    const bool flat =
+        height < std::min((small ? kSmallMark : kMark) * config.thickness_min, config.height_min);
     if (flat || (small && !isConvex(region))) mask.setTo(0, region);
   }
 }
@@ -273,7 +276,7 @@ void useSurface(const FragmentDetectorConfig& config, bool alone, FragmentDetect
 std::optional<FragmentDetection> measure(const Sight& sight, const Outline& left,
                                          const Outline& right, double top) {
   const FragmentDetectorConfig& config = sight.config;
-  // Of one that is less than half visible too little is known.
+  // Of what is less than half of the smallest one too little is known.
   const double area_min = 0.5 * areaOfSmallest(config, sight.pixels_per_metre);
   if (left.area < area_min || right.area < area_min) return std::nullopt;
   FragmentDetection fragment;

@@ -164,8 +164,9 @@ void CorrectedArm::report(const CommandRequest& message, double now, const ArmRe
   observer_.note(sample);
 }
 
-void CorrectedArm::restart() noexcept {
+void CorrectedArm::restart(double now) noexcept {
   corrector_.restart();
+  homed_at_ = std::min(homed_at_.load(), now);
   known_ = {};
   path_.begin();  // its ends are known still
   followed_ = false;
@@ -340,12 +341,15 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
     status.mergeSummary(Level::WARN, "the model has expired");
   // A model knows of the homing that it was recorded after, or at least when it was trained.
   const bool by_recording = model_.homed_at > 0.0;
-  const bool homed_since = by_recording ? homed_at_ > model_.homed_at + kSameHoming
-                                        : homed_unix_ > model_.trained_at + kSameHoming;
+  const double homed = by_recording ? homed_at_ : homed_unix_;
+  const double known = by_recording ? model_.homed_at : model_.trained_at;
+  // At 0 the simulated clock had not begun.
+  const bool homed_since =
+      homing_ != HomingWatch::Homing::kNone && (homed == 0.0 || homed > known + kSameHoming);
   const bool proven = preflight_state_ == PreflightState::kPassed;  // since then
   if (homed_since && !model_.id.empty() && !proven)
-    status.mergeSummaryf(Level::WARN, "the robot %s after the model was %s", homingText(homing_),
-                         by_recording ? "recorded" : "trained");
+    status.mergeSummaryf(Level::WARN, "after the model was %s the robot %s",
+                         by_recording ? "recorded" : "trained", homingText(homing_));
   diagnosePreflight(status);
   std::vector<StreamFinding> findings = topic_findings_;
   for (const StreamFinding& finding : observer_.findings()) findings.push_back(finding);

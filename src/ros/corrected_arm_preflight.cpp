@@ -40,7 +40,9 @@ void CorrectedArm::updatePreflightState() {
 }
 
 void CorrectedArm::noteHoming(HomingWatch::Homing homing) noexcept {
-  homing_.store(homing);
+  // What was seen is not made doubtful by a silence after it.
+  if (homing_ != HomingWatch::Homing::kSeen || preflight_state_ != PreflightState::kNeeded)
+    homing_.store(homing);
   homed_at_.store(ros::Time::now().toSec());
   homed_unix_.store(ros::WallTime::now().toSec());
   gate_.noteHoming();
@@ -58,9 +60,9 @@ std::string CorrectedArm::refusal(CorrectorMode mode, bool override_preflight) c
            " yet that could pass a pre-flight: train or load one first";
   if (override_preflight || inUseIsCleared()) return "";
   return format(
-      "model %s%s has not passed a pre-flight since this node started and the robot was homed "
-      "last: "
-      "call ~preflight while the robot makes a few moves in sight of motion capture, or take the "
+      "model %s%s has not passed a pre-flight since this node started and the robot was homed, or "
+      "its state was silent, last: call ~preflight while the robot makes a few moves in sight of "
+      "motion capture, or take the "
       "responsibility with ~set_mode and override_preflight: true",
       model->id.c_str(), whose.c_str());
 }
@@ -140,7 +142,7 @@ void CorrectedArm::preflight(const Preflight::Request& request, Preflight::Respo
   }
   if (result.status == Status::kPassed && gate_.homings() != homings) {
     result.status = Status::kNotObserved;
-    result.message = "the robot was homed meanwhile: once more";
+    result.message = "the robot was homed meanwhile, or its state was silent: once more";
   }
   response.message = result.message;
   response.poses = static_cast<std::uint32_t>(result.poses);

@@ -30,7 +30,10 @@ bool setModes(const std::vector<CorrectedArm*>& arms, CorrectorMode mode, bool o
   for (CorrectedArm* const arm : arms) in_force &= arm->setMode(mode, override_preflight);
   if (in_force) return true;
   for (CorrectedArm* const arm : arms) arm->setMode(CorrectorMode::kOff, false);
-  message = "the robot was homed or the correction switched off meanwhile: all is off";
+  message =
+      "the robot was homed, its state was silent, or the correction was switched off meanwhile: "
+      "all "
+      "is off";
   return false;
 }
 
@@ -43,7 +46,10 @@ bool isChanged(const ArmRequest& request, const Pose& command) noexcept {
 }  // namespace
 
 CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
-    : nh_(nh), private_nh_(private_nh), params_(loadCorrectorParams(private_nh)) {
+    : nh_(nh),
+      private_nh_(private_nh),
+      params_(loadCorrectorParams(private_nh)),
+      homing_watch_(std::max(HomingWatch::kSilence, params_.robot_state_timeout)) {
   std::vector<CorrectedArm*> all;
   for (const CorrectedArmParams& arm : params_.arms) {
     arm_names_.push_back(arm.name);
@@ -135,16 +141,16 @@ void CorrectorNode::subscribeDesired() {
 void CorrectorNode::watchClock(const ros::Time& now) {
   if (now + ros::Duration(kClockTolerance) < last_now_) {
     ROS_WARN("corrector: the clock went back by %.3f s; starting over", (last_now_ - now).toSec());
-    for (const auto& arm : arms_) arm->restart();
+    for (const auto& arm : arms_) arm->restart(now.toSec());
   }
   last_now_ = now;
 }
 
 void CorrectorNode::watchRobotState(const ros::SteadyTime& now) {
   if (params_.robot_state_topic.empty()) return;
-  const std::optional<RobotState>& state = robot_state_.state();
+  const std::optional<RobotState>& state = homing_watch_.state();
   const bool ready =
-      state && state->ready() && now.toSec() - robot_state_.at() <= params_.robot_state_timeout;
+      state && state->ready() && now.toSec() - homing_watch_.at() <= params_.robot_state_timeout;
   if (robot_ready_.exchange(ready) != ready) updateHold();
 }
 
@@ -250,7 +256,7 @@ void CorrectorNode::onRobotState(const ros::MessageEvent<AnyMessage const>& even
     return;
   }
   const ros::SteadyTime now = ros::SteadyTime::now();
-  const HomingWatch::Homing homing = robot_state_.update(*state, now.toSec());
+  const HomingWatch::Homing homing = homing_watch_.update(*state, now.toSec());
   if (homing != HomingWatch::Homing::kNone)
     for (const auto& arm : arms_) arm->noteHoming(homing);
   watchRobotState(now);

@@ -218,7 +218,7 @@ std::optional<Eigen::Vector3d> DebridementArm::deviation() {
   if (!desired_ || !probe.measure(sent_, seenSince(last_stamp_ - motion_.window), last_stamp_))
     return std::nullopt;
   // What it is off from what was sent, and that from what was asked for.
-  return probe.translation() + replanner_.command(*desired_, last_stamp_).p - desired_->p;
+  return probe.translation() + sent_.back().pose.p - desired_->p;
 }
 
 }  // namespace raven_correction

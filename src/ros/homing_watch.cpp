@@ -3,12 +3,12 @@
 
 namespace raven_correction {
 
-HomingWatch::Homing HomingWatch::update(const RobotState& state, double steady) noexcept {
+HomingWatch::Homing HomingWatch::update(const RobotState& state, double arrival) noexcept {
   const bool first = !state_;
   const bool was_homed = !first && state_->homed;
-  const bool was_silent = !first && steady - at_ > kSilence;
+  const bool was_silent = !first && arrival - at_ > silence_;
   state_ = state;
-  at_ = steady;
+  at_ = arrival;
   if (first || !state.homed) return Homing::kNone;
   if (!was_homed) return Homing::kSeen;
   return was_silent ? Homing::kPossible : Homing::kNone;

@@ -69,11 +69,12 @@ void Recorder::onRobotState(const ros::MessageEvent<AnyMessage const>& event) {
                     "~robot_state_arm"
                   : "crtk_msgs/operating_state, raven_2_msgs/RavenState or raven_2/raven_state");
   }
-  const auto homing = state ? robot_state_.update(*state, ros::SteadyTime::now().toSec())
+  // By its arrival: this thread may be held up by a disk.
+  const auto homing = state ? homing_watch_.update(*state, event.getReceiptTime().toSec())
                             : HomingWatch::Homing::kNone;
   if (homing != HomingWatch::Homing::kNone) {
-    homed_at_ = ros::Time::now();
-    ROS_INFO("recorder: the robot %s", homingText(homing));
+    homed_at_ = event.getReceiptTime();
+    ROS_WARN("recorder: the robot %s", homingText(homing));
     recordHoming(homed_at_);
   }
   if (!arm) return;

@@ -132,7 +132,10 @@ CheckedInputs readCheckedInputs(const std::vector<std::string>& paths,
   if (before > 0)
     inputs.findings.push_back(
         {StreamFinding::Severity::kWarning, topics::kRobotHomed, "homing",
-         format("the robot was homed after %zu of %zu trajectories", before, trajectories.size()),
+         format(
+             "the robot was homed, or may have been while its state was silent, after %zu of %zu "
+             "trajectories",
+             before, trajectories.size()),
          "one homing for all that is learnt from, and none after it",
          before < trajectories.size()
              ? "each homing leaves other offsets: leave out what was recorded before the last one"

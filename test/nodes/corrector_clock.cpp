@@ -6,6 +6,7 @@
 
 #include "support/corrector_probe.h"
 #include "support/node_main.h"
+#include "support/operating_state.h"
 #include "support/simple_model.h"
 
 namespace raven_correction {
@@ -15,7 +16,8 @@ const Pose kInside{{0.01, 0.01, -0.01}, expRotation({0.02, 0.0, 0.01})};
 
 class CorrectorClock : public ::testing::Test {
  protected:
-  CorrectorClock() : clock_(probe_.nh.advertise<rosgraph_msgs::Clock>("/clock", 1)) {}
+  explicit CorrectorClock(const std::string& ns = "arm")
+      : probe_(ns), clock_(probe_.nh.advertise<rosgraph_msgs::Clock>("/clock", 1)) {}
 
   /// Sets the clock for everybody: until a pose with that stamp is not refused for its age.
   CorrectionStatus sendAt(double time) {
@@ -35,7 +37,7 @@ class CorrectorClock : public ::testing::Test {
     return status;
   }
 
-  CorrectorProbe<geometry_msgs::PoseStamped> probe_{"arm"};
+  CorrectorProbe<geometry_msgs::PoseStamped> probe_;
   ros::Publisher clock_;
 };
 
@@ -81,6 +83,56 @@ TEST_F(CorrectorClock, ClockThatJumpsAheadAllowsNoLargerStep) {
   EXPECT_LE(full - length(), 0.15 * 0.1 + 1e-7);
   EXPECT_GT(length(), 0.03);
   expectStepsWithin(probe_.statuses, 0.15, 2.0, 0.1);
+}
+
+/// Of a robot that says whether it is homed.
+class HomingClock : public CorrectorClock {
+ protected:
+  HomingClock()
+      : CorrectorClock("robot"),
+        state_(probe_.nh.advertise<RawMessage<OperatingStateType>>("operating_state", 1)) {
+    EXPECT_TRUE(probe_.until([this] { return state_.getNumSubscribers() == 1; }));
+  }
+  /// The robot is homed at this time.
+  void homeAt(double time) {
+    for (const bool homed : {false, true}) {
+      const auto held = [&] {
+        state_.publish(operatingState("ENABLED", homed));
+        return sendAt(time += 0.01).code == CorrectionStatus::PASSED_ROBOT_NOT_READY;
+      };
+      EXPECT_TRUE(probe_.until([&] { return held() != homed; }));
+    }
+  }
+  /// What is said of a model whose recording knows of a homing at this time.
+  bool isOutdated(double homed_at) {
+    static int number = 0;
+    Correction model = simpleModel();
+    model.id = "homed_" + std::to_string(++number);
+    model.homed_at = homed_at;
+    probe_.publishModel(model);
+    std::string message;
+    EXPECT_TRUE(probe_.diagnosed([&](const auto& status) {
+      message = status.message;
+      for (const auto& value : status.values)
+        if (value.key == "model" && value.value == model.id) return true;
+      return false;
+    }));
+    return message.find("after the model was recorded the robot was homed") != std::string::npos;
+  }
+
+ private:
+  ros::Publisher state_;
+};
+
+TEST_F(HomingClock, AHomingAndARecordingAreComparedByTheirOwnClock) {
+  homeAt(3000.0);
+  EXPECT_FALSE(isOutdated(3500.0)) << "Unix time is later than both";
+  EXPECT_TRUE(isOutdated(2000.0));
+  // The loop of a bag: what was homed was homed before its beginning.
+  sendAt(1000.0);
+  EXPECT_FALSE(isOutdated(1500.0));
+  homeAt(1600.0);
+  EXPECT_TRUE(isOutdated(1500.0));
 }
 
 }  // namespace

@@ -82,7 +82,8 @@ TEST_F(CrtkCorrectorFaults, NothingIsCorrectedUnlessTheRobotIsEnabledAndHomed) {
   EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
   // It was homed: a model from before may be off.
   EXPECT_TRUE(probe_.diagnosed([](const auto& status) {
-    return status.message.find("homed after the model was trained") != std::string::npos;
+    return status.message.find("after the model was trained the robot was homed") !=
+           std::string::npos;
   }));
   EXPECT_TRUE(sendUntil(kInBox, "ENABLED", true, kAtCommand, corrected));
   // A robot that says nothing any more is not known to be ready.

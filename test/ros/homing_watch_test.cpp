@@ -41,5 +41,13 @@ TEST(HomingWatch, ASilenceMayHideOne) {
   EXPECT_STRNE(homingText(Homing::kSeen), homingText(Homing::kPossible));
 }
 
+TEST(HomingWatch, KnowsHowFarApartTheStatesAre) {
+  HomingWatch watch(30.0);
+  watch.update(kHomed, 10.0);
+  EXPECT_EQ(watch.update(kHomed, 39.0), Homing::kNone);
+  EXPECT_EQ(watch.update(kHomed, 70.0), Homing::kPossible);
+  EXPECT_EQ(watch.update(kHomed, 20.0), Homing::kNone) << "the clock was set back";
+}
+
 }  // namespace
 }  // namespace raven_correction

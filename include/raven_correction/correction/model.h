@@ -44,7 +44,7 @@ struct Correction {
   std::string arm;                  ///< robot and arm it is for; empty: not known
   std::string tool;                 ///< on that arm; empty: not known
   std::string pose_type;            ///< message type of the commands; empty: not known
-  double homed_at = 0.0;            ///< last homing before or in the recordings; 0: not known [s]
+  double homed_at = 0.0;            ///< last homing, or silence that may hide one [s]
   double expires_at = 0.0;          ///< Unix time; 0: never [s]
   std::vector<std::string> inputs;  ///< files it was trained on
   std::string input_hash;           ///< of the training pairs

@@ -51,8 +51,10 @@ struct FragmentDetectorTrace {
 /// 1. Both images are rectified: lens removed, rows are epipolar lines.
 /// 2. Colour: log red over green and blue, relative to the median of the field, so that neither
 ///    shadow nor exposure nor white balance counts; the limit is half way to the median of foam.
-/// 3. Height: a red region that fits the right image best on the platform is no foam, nor is a small
-///    one that is not convex; elsewhere the left image is matched with the right one as planes at
+/// 3. Height: a red region that fits the right image best on the platform is no foam, nor is one
+/// too
+///    small for a fragment and half of another that is not convex or seems lower than 0.22 of
+///    thickness_min; elsewhere the left image is matched with the right one as planes at
 ///    many heights would show it.
 /// 4. Pieces: a watershed cuts foam into small ones, and those that are one fragment are joined
 ///    again, by colour, height, seam and shape; the weights of these cues are trained.

@@ -66,8 +66,9 @@ class CorrectedArm {
   /// @param compute_time  from arrival to publication, by the steady clock [s]
   void report(const CommandRequest& message, double now, const ArmRequest& request,
               const CorrectorOutput& output, double compute_time);
-  /// Forgets the stream.
-  void restart() noexcept;
+  /// Forgets the stream: the clock went back.
+  /// @param now  [s]
+  void restart(double now) noexcept;
 
   // --- of any thread
   const std::string& ns() const noexcept { return arm_.ns; }

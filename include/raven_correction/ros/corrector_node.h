@@ -68,7 +68,7 @@ class CorrectorNode {
   std::tuple<MessagePool<geometry_msgs::PoseStamped>, MessagePool<geometry_msgs::TransformStamped>,
              MessagePool<RavenCommand>>
       pools_;
-  HomingWatch robot_state_;
+  HomingWatch homing_watch_;
   bool robot_state_warned_ = false;
 
   // Set by one thread each, read by holdNow().

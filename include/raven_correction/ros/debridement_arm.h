@@ -44,7 +44,8 @@ class DebridementArm : public DebridementCell {
   DebridementArm(const std::string& arm, const std::string& base_frame, FieldEye& eye,
                  const std::atomic<bool>& interrupted);
 
-  /// The next motions are of this kind; what was measured before is forgotten.
+  /// The next motions are of this kind; what was measured before is forgotten: where the tool was
+  /// sent is where it was asked to be.
   void use(const ArmMotion& motion);
   /// Measures the deviation at rest, before the first motion.
   /// @throws std::runtime_error  motion capture does not tell it

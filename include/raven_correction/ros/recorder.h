@@ -141,7 +141,7 @@ class Recorder {
   DelayWatch delay_;
   std::unique_ptr<StreamWatch> watch_;
   std::set<std::string> warned_of_;  // stream and kind of findings
-  HomingWatch robot_state_;
+  HomingWatch homing_watch_;
   ros::Time homed_at_;  // of the last homing that was seen, or may have been; zero: none
   bool robot_state_warned_ = false;
   TrajectoryWindows trajectories_;

@@ -24,7 +24,7 @@ struct TrajectoryGoal {
 struct Session {
   Dataset dataset;                    ///< poses in base; sorted by start
   std::vector<TrajectoryGoal> goals;  ///< one per trajectory of the data set, same order
-  std::vector<double> homed_at;       ///< homings that the recorder knew of, in order [s]
+  std::vector<double> homed_at;  ///< homings that the recorder saw or held possible, in order [s]
 };
 
 /// Is called now and then with the share that is read, 0 to 1; what it throws ends the reading.
