@@ -97,12 +97,8 @@ class TwoArms : public ::testing::Test {
   void send(const std::array<Asked, 2>& asked) {
     stamp_ = std::max(stamp_ + ros::Duration(kPeriod), started_);
     std::vector<ArmBytes> arms;
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      const Eigen::Vector3d& p = asked[i].pose.p;
-      const Eigen::Vector4d& q = asked[i].pose.q.coeffs();
-      arms.push_back(
-          {i == kLeft ? "L" : "R", asked[i].option, {p.x(), p.y(), p.z(), q(0), q(1), q(2), q(3)}});
-    }
+    for (std::size_t i = 0; i < asked.size(); ++i)
+      arms.push_back(armBytes(i == kLeft ? "L" : "R", asked[i].option, asked[i].pose));
     const std::size_t left = statuses_[kLeft].size(), right = statuses_[kRight].size();
     RavenCommand message;
     message.bytes = raven_correction::command(arms, stamp_.sec, stamp_.nsec);

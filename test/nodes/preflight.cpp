@@ -11,9 +11,11 @@
 #include <future>
 
 #include "raven_correction/ros/homing_watch.h"
+#include "support/call_meanwhile.h"
 #include "support/corrector_probe.h"
 #include "support/node_main.h"
 #include "support/operating_state.h"
+#include "support/promising_model.h"
 
 namespace raven_correction {
 namespace {
@@ -27,22 +29,6 @@ const Pose kRobot{{0.010, -0.004, 0.002}, expRotation({0.02, -0.05, 0.1})};
 Pose along(double t) {
   return {{0.05 * std::sin(2.0 * t), 0.03 * std::cos(1.7 * t), -0.12 + 0.01 * std::sin(t)},
           expRotation({0.2 * std::sin(t), 0.0, 0.1})};
-}
-
-/// The rigid transform alone, which promises half a millimetre and a third of a degree.
-Correction rigidModel(const std::string& id) {
-  Correction model;
-  model.id = id;
-  model.frame = "0_link";
-  model.trained_at = 1000.0;
-  model.delay = kDelay;
-  model.rigid = kRobot;
-  model.motion.velocity = VelocityKind::kNone;
-  model.trust.workspace_min.setConstant(-1.0);
-  model.trust.workspace_max.setConstant(1.0);
-  model.held_out.position_after = 0.0005;
-  model.held_out.angle_after = 0.005;
-  return model;
 }
 
 class PreflightFaults : public ::testing::Test {
@@ -101,7 +87,7 @@ class PreflightFaults : public ::testing::Test {
   Correction freshModel() {
     static int count = 0;
     model_id_ = "model_" + std::to_string(++count);
-    return rigidModel(model_id_);
+    return promisingModel(model_id_, kRobot, kDelay);
   }
   void give(const Correction& model) { probe_.publishModel(model); }
 
@@ -151,33 +137,19 @@ class PreflightFaults : public ::testing::Test {
   // --- services, while the robot goes on
   template <typename Service>
   typename Service::Response call(const std::string& name, const Service& request) {
-    auto answer = std::async(std::launch::async, [name = probe_.nh.resolveName(name), request] {
-      Service service = request;
-      EXPECT_TRUE(ros::service::call(name, service)) << name;
-      return service.response;
-    });
-    EXPECT_TRUE(run([&] {
-      return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    })) << name;
-    return answer.get();
+    return callMeanwhile(probe_.nh, name, request, [this](auto until) { return run(until); });
   }
   Preflight::Response preflight(double duration = 20.0) {
     Preflight service;
     service.request.duration = duration;
     return call("corrector/preflight", service);
   }
-  static bool isReady(const std::future<Preflight::Response>& answer) {
-    return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  }
   /// One that runs when this returns, as a second one that is refused shows.
   std::future<Preflight::Response> beginPreflight() {
     const auto begin = [&] {
-      return std::async(std::launch::async, [name = probe_.nh.resolveName("corrector/preflight")] {
-        Preflight service;
-        service.request.duration = 20.0;
-        EXPECT_TRUE(ros::service::call(name, service));
-        return service.response;
-      });
+      Preflight service;
+      service.request.duration = 20.0;
+      return beginCall(probe_.nh, "corrector/preflight", service);
     };
     auto first = begin();
     Preflight::Response second;
@@ -255,7 +227,7 @@ TEST_F(PreflightFaults, AModelThatIsFarOffFailsAndIsSwitchedOff) {
 
 TEST_F(PreflightFaults, AnotherModelWaitsWhileTheCheckedOneGoesOn) {
   const std::string checked = model_id_;
-  const Correction first = rigidModel(checked);
+  const Correction first = promisingModel(checked, kRobot, kDelay);
   ASSERT_TRUE(preflight().passed);
   ASSERT_TRUE(enable(true).success);
   ASSERT_TRUE(corrects(checked));

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cmath>
-#include <future>
 #include <string>
 #include <vector>
 
@@ -18,7 +17,9 @@
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
 #include "raven_correction/ros/raven_command.h"
+#include "support/call_meanwhile.h"
 #include "support/node_main.h"
+#include "support/promising_model.h"
 #include "support/raven_bytes.h"
 #include "support/spin_until.h"
 
@@ -40,22 +41,6 @@ Pose along(std::size_t arm, double t) {
 Pose robotOf(std::size_t arm) {
   const double side = arm == kLeft ? 1.0 : -1.0;
   return {{side * 0.010, -0.004, 0.002}, expRotation({0.02, side * -0.05, 0.1})};
-}
-
-Correction rigidModel(std::size_t arm, int number) {
-  Correction model;
-  model.id = kSides[arm] + "_" + std::to_string(number);
-  model.frame = "0_link";
-  model.arm = arm == kLeft ? "raven2_left" : "raven2_right";
-  model.trained_at = 1000.0;
-  model.delay = kDelay;
-  model.rigid = robotOf(arm);
-  model.motion.velocity = VelocityKind::kNone;
-  model.trust.workspace_min.setConstant(-1.0);
-  model.trust.workspace_max.setConstant(1.0);
-  model.held_out.position_after = 0.0005;
-  model.held_out.angle_after = 0.005;
-  return model;
 }
 
 class PreflightOfTwoArms : public ::testing::Test {
@@ -81,7 +66,9 @@ class PreflightOfTwoArms : public ::testing::Test {
     static int number = 0;
     ++number;
     for (std::size_t i = 0; i < 2; ++i) {
-      const Correction model = rigidModel(i, number);
+      Correction model =
+          promisingModel(kSides[i] + "_" + std::to_string(number), robotOf(i), kDelay);
+      model.arm = "raven2_" + kSides[i];
       models_[i].publish(modelToMsg(model));
       ids_[i] = model.id;
     }
@@ -104,11 +91,9 @@ class PreflightOfTwoArms : public ::testing::Test {
     const ros::Time now = ros::Time::now();
     std::vector<ArmBytes> arms;
     for (std::size_t i = 0; i < 2; ++i) {
-      const Pose pose = along(i, now.toSec() - start_);
-      const Eigen::Vector4d& q = pose.q.coeffs();
-      arms.push_back({i == kLeft ? "L" : "R",
-                      kRavenPositionEnabled | kRavenOrientationEnabled,
-                      {pose.p.x(), pose.p.y(), pose.p.z(), q(0), q(1), q(2), q(3)}});
+      arms.push_back(armBytes(i == kLeft ? "L" : "R",
+                              kRavenPositionEnabled | kRavenOrientationEnabled,
+                              along(i, now.toSec() - start_)));
     }
     RavenCommand message;
     message.bytes = command(arms, now.sec, now.nsec);
@@ -128,15 +113,7 @@ class PreflightOfTwoArms : public ::testing::Test {
   // --- services, while the robot goes on
   template <typename Service>
   typename Service::Response call(const std::string& name, const Service& request) {
-    auto answer = std::async(std::launch::async, [name = nh_.resolveName(name), request] {
-      Service service = request;
-      EXPECT_TRUE(ros::service::call(name, service)) << name;
-      return service.response;
-    });
-    EXPECT_TRUE(run([&] {
-      return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    })) << name;
-    return answer.get();
+    return callMeanwhile(nh_, name, request, [this](auto until) { return run(until); });
   }
   Preflight::Response judge(std::size_t arm, double duration = 20.0) {
     Preflight service;

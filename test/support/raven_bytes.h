@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "raven_correction/geometry/pose.h"
+
 namespace raven_correction {
 
 /// ROS 1 serialisation, written down anew.
@@ -39,6 +41,11 @@ struct ArmBytes {
   std::uint8_t option;
   std::array<double, 7> pose;  ///< position [m], quaternion x, y, z, w
 };
+
+inline ArmBytes armBytes(const std::string& name, std::uint8_t option, const Pose& pose) {
+  const Eigen::Vector4d& q = pose.q.coeffs();
+  return {name, option, {pose.p.x(), pose.p.y(), pose.p.z(), q(0), q(1), q(2), q(3)}};
+}
 
 /// A raven_2_msgs/RavenCommand with the pedal down and these arms active.
 inline std::vector<std::uint8_t> command(const std::vector<ArmBytes>& arms, std::uint32_t seconds,
