@@ -31,7 +31,7 @@ TEST(Arrival, NeverRunsBackwardsUnlessTheClockDoes) {
 
 TEST(Arrival, RefusesAToleranceThatIsNone) {
   EXPECT_THROW(Arrival(-0.1), InvalidInput);
-  EXPECT_THROW(Arrival(std::numeric_limits<double>::infinity()), InvalidInput);
+  EXPECT_THROW(Arrival{std::numeric_limits<double>::infinity()}, InvalidInput);
 }
 
 }  // namespace
