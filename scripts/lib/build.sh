@@ -75,10 +75,11 @@ build_targets() {
   ) 9>"$build/.lock"
 }
 
-# in_environment COMMAND...: becomes COMMAND, where roslaunch, rosrun and rosservice know the package
+# in_environment COMMAND...: becomes COMMAND, where roslaunch and rosservice know the package, and its programs are
+# commands: rosrun looks for none in a folder `build` inside the package
 in_environment() {
   [[ -e $build/devel/setup.bash ]] || fail "no $build/devel/setup.bash: the build is not complete"
   source_setup "$build/devel/setup.bash"
-  export RAVEN_ROOT=$root RAVEN_BUILD=$build
+  export RAVEN_ROOT=$root RAVEN_BUILD=$build PATH=$PATH:$build/devel/lib/raven_correction
   exec "$@"
 }

@@ -71,7 +71,7 @@ std::vector<StreamFinding> checkTopics(const std::vector<TopicType>& expected,
         {Severity::kWarning, wanted.topic, "missing", "nobody publishes it",
          wanted.type.empty() ? "a publisher" : "a publisher of " + wanted.type,
          instead.empty()
-             ? "start what publishes it, or remap the topic; nothing like it is there"
+             ? "nothing like it is there: start what publishes it, or remap the topic"
              : "there is " + instead + ": remap the topic, or start what publishes it"});
   }
   return findings;

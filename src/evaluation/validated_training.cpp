@@ -34,6 +34,8 @@ ValidationSplit splitForValidation(const Dataset& dataset) {
 
 namespace {
 
+constexpr std::size_t kFewTrajectories = 5;  // to judge a model by
+
 /// What the simulation's own fit means for the comparison; empty: nothing.
 std::string overlapText(const SimulationOverlap& overlap, const std::string& simulation) {
   if (overlap.independent()) return "";
@@ -131,6 +133,8 @@ ValidatedTraining trainAndValidate(const Dataset& dataset, const TrainingConfig&
                           millimetresAndDegrees(result.full).c_str(), result.full.n,
                           held_out.trajectories.size(), millimetresAndDegrees(reference).c_str(),
                           result.live ? "of the model in use" : "without correction");
+  if (held_out.trajectories.size() < kFewTrajectories)
+    result.verdict += "; these are few, so it may err by more: record more motions";
   if (config.simulation) {
     result.overlap = overlapOf(*config.simulation, held_out);
     if (result.overlap->seen > 0) result.better = false;

@@ -112,6 +112,19 @@ int runOffline(int argc, char** argv) {
   addDiagnoseCommand(app);
   addRegressCommand(app);
   addExperimentCommand(app);
+  if (argc > 1 && argv[1][0] != '-') {
+    bool known = false;
+    std::string names;
+    for (const CLI::App* const command : app.get_subcommands([](CLI::App*) { return true; })) {
+      known |= command->check_name(argv[1]);
+      names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    if (!known) {
+      std::fprintf(stderr, "offline: there is no command %s; these are: %s\n", argv[1],
+                   names.c_str());
+      return 2;
+    }
+  }
   try {
     app.parse(argc, argv);
     return 0;

@@ -146,6 +146,7 @@ class Run(unittest.TestCase):
         offline = BUILD / "devel/lib/raven_correction/offline"
         if not shutil.which(str(offline)):
             self.skipTest("there is no offline program yet")
+        self.assertIn("SUBCOMMAND", self.run_it("exec", "offline", "--help").stdout)  # its programs are commands
         for arguments in (("--help",), ("no_such_command",)):
             ours = self.run_it("offline", *arguments)
             bare = subprocess.run([str(offline), *arguments], capture_output=True, text=True, check=False)
