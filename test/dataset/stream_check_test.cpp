@@ -116,6 +116,24 @@ TEST(StreamCheck, MillimetresAreCaughtInEveryStream) {
   expectOnly(check(near), Severity::kError, "observations", "units", "millimetres");
 }
 
+TEST(StreamCheck, QuaternionsWithWFirstAreNamed) {
+  Dataset dataset = soundSession();
+  for (Trajectory& trajectory : dataset.trajectories)
+    for (StampedPose& sample : trajectory.observations) {
+      const Eigen::Quaterniond q = sample.pose.q;
+      sample.pose.q.coeffs() = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());  // read as x, y, z, w
+    }
+  expectOnly(check(dataset), Severity::kWarning, "observations", "orientation", "w first");
+}
+
+TEST(StreamCheck, MarkersMayBeTurnedAgainstTheTool) {
+  Dataset dataset = soundSession();
+  for (Trajectory& trajectory : dataset.trajectories)
+    for (StampedPose& sample : trajectory.observations)
+      sample.pose.q = sample.pose.q * expRotation({1.2, -0.9, 0.8});
+  EXPECT_EQ(textOf(check(dataset)), "");
+}
+
 TEST(StreamCheck, MicrometresAreNamed) {
   Dataset dataset = soundSession();
   for (Trajectory& trajectory : dataset.trajectories)
