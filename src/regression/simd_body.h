@@ -168,6 +168,7 @@ void correlationsOf(Index d, Index n, const double* a, Index lda, Index m, const
 
 void correlations(int kernel, Index d, Index n, const double* a, Index lda, Index m,
                   const double* b, Index ldb, double* c, double* slopes, Index ldc) {
+  if (d == 0) a = c;  // points without features have no memory; none of it is read
   if (slopes == nullptr) {
     if (kernel == 0) correlationsOf<0, false>(d, n, a, lda, m, b, ldb, c, slopes, ldc);
     if (kernel == 1) correlationsOf<1, false>(d, n, a, lda, m, b, ldb, c, slopes, ldc);
