@@ -36,7 +36,7 @@ class Evaluation : public ceres::EvaluationCallback {
       jacobian_at_ = values_;
       jacobian_ = residualJacobian(*problem_.recording, *problem_.layout, problem_.simulation,
                                    problem_.parameters, values_, residual_, problem_.frozen.cols());
-      jacobian_.leftCols(problem_.frozen.cols()) = problem_.frozen;
+      if (problem_.frozen.cols() > 0) jacobian_.leftCols(problem_.frozen.cols()) = problem_.frozen;
     }
   }
   const Eigen::VectorXd& residual() const { return residual_; }
