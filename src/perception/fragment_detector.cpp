@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "foam_colour.h"
+#include "foam_marks.h"
 #include "foam_pieces.h"
 #include "fragment_outline.h"
 #include "height_map.h"
@@ -33,16 +34,9 @@ constexpr double kSuperellipseArea = 3.53;  // per product of the half axes, exp
 constexpr double kSeenMin = 0.4;     // of a fragment: too little is seen of others to tell them
 constexpr double kFlatShare = 0.55;  // height of the centre per median height of the surface
 constexpr double kSurfaceNoise = 0.0002;  // of the height of a surface [m]
-constexpr double kLeaning = 0.37;  // of the mean thickness: from the centre of what leans to its
-                                   // surface
-// So high a mark may seem, per thickness_min: in 800 rendered scenes regions of foam, 3 mm thick or
-// more, seemed 0.4 mm high or more, and 0.7 mm where they were too small for a fragment and half of
-// another.
-constexpr double kMark = 0.117;
-constexpr double kSmallMark = 0.217;
-constexpr double kConvex = 0.93;    // share of its convex hull that a region of one fragment fills
+constexpr double kLeaning = 0.37;   // of the mean thickness: from the centre of what leans to its
+                                    // surface
 constexpr double kWholeArea = 0.6;  // of the smallest fragment, per length_min^2
-constexpr int kSurround = 11;       // twice what is looked at around a region [px]
 constexpr double kGate = 3.5;       // deviations
 constexpr double kHeightAgreement = 0.004;  // of the centre from half of the top's height [m]
 
@@ -147,51 +141,13 @@ PlaneMoments momentsOf(const std::vector<Eigen::Vector2d>& polygon, double noise
   return result;
 }
 
-/// Of a whole fragment, the smallest there is [px^2].
-double areaOfSmallest(const FragmentDetectorConfig& config, double pixels_per_metre) {
-  return kWholeArea * std::pow(config.length_min * pixels_per_metre, 2.0);
-}
-
-/// Whether a region fills its convex hull, as one piece of cut foam does. What is spilt seldom
-/// does.
-bool isConvex(const cv::Mat& region) {
-  std::vector<std::vector<cv::Point>> contours;
-  cv::findContours(region, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  const auto longest =
-      std::max_element(contours.begin(), contours.end(),
-                       [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  std::vector<cv::Point> hull;
-  cv::convexHull(*longest, hull);
-  return cv::contourArea(*longest) >= kConvex * cv::contourArea(hull);
-}
-
-/// Regions whose outline lies on the platform are marks on it, e.g. blood: no foam. One height for
-/// foam and what surrounds it lies between the platform and the foam. A region that is too small
-/// for a fragment and half of another is a mark, too, if it has not the shape of one.
-void removeMarks(const cv::Mat& left_redness, const cv::Mat& right_redness, const PlaneSweep& sweep,
-                 const FragmentDetectorConfig& config, double area_whole, cv::Mat& mask) {
-  cv::Mat regions;
-  const int n = cv::connectedComponents(mask, regions, 8, CV_32S);
-  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {kSurround, kSurround});
-  for (int k = 1; k < n; ++k) {
-    const cv::Mat region = regions == k;
-    const bool small = cv::countNonZero(region) < 1.5 * area_whole;
-    cv::Mat with_surroundings;
-    cv::dilate(region, with_surroundings, disc);
-    const double height =
-        regionHeight(left_redness, right_redness, with_surroundings, sweep, config.height_max);
-    const bool flat =
-        height < std::min((small ? kSmallMark : kMark) * config.thickness_min, config.height_min);
-    if (flat || (small && !isConvex(region))) mask.setTo(0, region);
-  }
-}
-
 /// What one call of detect() works on.
 struct Sight {
   const StereoCamera& camera;
   const Pose& X_field_camera;
   const FragmentDetectorConfig& config;
   double pixels_per_metre;
+  double area_min;  // of what is seen of a fragment in an image [px^2]
 };
 
 /// Where the line of sight of a rectified pixel meets a height.
@@ -276,9 +232,7 @@ void useSurface(const FragmentDetectorConfig& config, bool alone, FragmentDetect
 std::optional<FragmentDetection> measure(const Sight& sight, const Outline& left,
                                          const Outline& right, double top) {
   const FragmentDetectorConfig& config = sight.config;
-  // Of what is less than half of the smallest one too little is known.
-  const double area_min = 0.5 * areaOfSmallest(config, sight.pixels_per_metre);
-  if (left.area < area_min || right.area < area_min) return std::nullopt;
+  if (left.area < sight.area_min || right.area < sight.area_min) return std::nullopt;
   FragmentDetection fragment;
   fragment.partly_hidden = std::max(left.hidden_share, right.hidden_share) > kHiddenShare;
   fragment.outline = left.contour;
@@ -405,14 +359,16 @@ std::vector<FragmentDetection> FragmentDetector::detect(const cv::Mat& left, con
   cv::remap(left, left_rect, left_map_, left_map_fine_, cv::INTER_LINEAR);
   cv::remap(right, right_rect, right_map_, right_map_fine_, cv::INTER_LINEAR);
 
-  const double area_min = 0.5 * areaOfSmallest(config_, pixels_per_metre_);
+  // Of what is less than half of the smallest one too little is known.
+  const double area_whole = kWholeArea * std::pow(config_.length_min * pixels_per_metre_, 2.0);
+  const double area_min = 0.5 * area_whole;
   const cv::Mat left_redness = redness(left_rect);
   const cv::Mat right_redness = redness(right_rect);
   cv::Mat left_mask = foamMask(left_redness, field_left_, config_.redness_min, area_min);
   const cv::Mat right_mask = foamMask(right_redness, field_right_, config_.redness_min, area_min);
   const PlaneSweep sweep(camera_, X_field_camera_);
-  removeMarks(left_redness, right_redness, sweep, config_,
-              areaOfSmallest(config_, pixels_per_metre_), left_mask);
+  const MarkLimits marks{area_whole, config_.thickness_min, config_.height_min, config_.height_max};
+  removeMarks(left_redness, right_redness, sweep, marks, left_mask);
   const cv::Mat height =
       heightMap(left_rect, right_rect, left_mask, right_mask, sweep, config_.height_max);
   PieceLimits limits;
@@ -430,7 +386,7 @@ std::vector<FragmentDetection> FragmentDetector::detect(const cv::Mat& left, con
 
   const std::vector<std::vector<bool>> occlusions = findOcclusions(left_labels, height, pieces);
 
-  const Sight sight{camera_, X_field_camera_, config_, pixels_per_metre_};
+  const Sight sight{camera_, X_field_camera_, config_, pixels_per_metre_, area_min};
   std::vector<FragmentDetection> fragments;
   for (int piece = 1; piece <= pieces; ++piece) {
     const double top = tops[static_cast<std::size_t>(piece)];
