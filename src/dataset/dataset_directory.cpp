@@ -114,8 +114,23 @@ YAML::Node loadYaml(const std::string& file) {
   }
 }
 
+/// What a map has under the key if that is a scalar; node must be a map.
 std::string text(const YAML::Node& node, const char* key, const std::string& otherwise) {
   return node[key] && node[key].IsScalar() ? node[key].as<std::string>() : otherwise;
+}
+
+/// One line below streams: name: {file: ..., kind: pose or joint}.
+struct StreamEntry {
+  std::string name, kind, file;
+};
+
+StreamEntry readStreamEntry(const YAML::Node& name, const YAML::Node& value,
+                            const std::string& yaml_file) {
+  if (!name.IsScalar() || !value.IsMap())
+    throw InvalidInput(format("%s:%d: stream \"%s\" must be {file: ..., kind: pose or joint}",
+                              yaml_file.c_str(), name.Mark().line + 1,
+                              name.IsScalar() ? name.Scalar().c_str() : ""));
+  return {name.Scalar(), text(value, "kind", ""), text(value, "file", "")};
 }
 
 /// joints: [{name: X, unit: rad|m}], which joint streams need to be understood without a robot.
@@ -174,9 +189,8 @@ Dataset readDatasetDirectory(const std::string& directory) {
   dataset.joint_units = readJointUnits(yaml, yaml_file);
   std::map<std::string, std::size_t> index;
   for (const auto& entry : yaml["streams"]) {
-    const std::string name = entry.first.as<std::string>();
-    const std::string kind = text(entry.second, "kind", "");
-    const std::string file = (fs::path(directory) / text(entry.second, "file", "")).string();
+    const auto [name, kind, file_name] = readStreamEntry(entry.first, entry.second, yaml_file);
+    const std::string file = (fs::path(directory) / file_name).string();
     Trajectory known;
     if (kind == "pose" && poseStreamNamed(name, known)) {
       for (NamedPoseStream& stream : readPoseCsv(file, PoseChecks::kStrict))

@@ -111,6 +111,24 @@ TEST(DatasetDirectory, BadInputIsNamedWithFileAndLine) {
                   "no row");
 }
 
+TEST(DatasetDirectory, AStreamThatIsNoMapIsNamedWithItsLine) {
+  const TemporaryDirectory folder;
+  const std::pair<const char*, const char*> streams[] = {
+      {"commands: commands.csv", "stream \"commands\" must be {file: ..., kind: pose or joint}"},
+      {"commands:", "stream \"commands\" must be"},
+      {"commands: [commands.csv, pose]", "stream \"commands\" must be"},
+      {"? [commands]\n  : {file: commands.csv, kind: pose}", "stream \"\" must be"}};
+  for (const auto& [stream, what] : streams) {
+    std::ofstream(folder.path() + "/dataset.yaml") << "name: s\nstreams:\n  " << stream << "\n";
+    try {
+      readDatasetDirectory(folder.path());
+      ADD_FAILURE() << stream;
+    } catch (const InvalidInput& error) {
+      expectComplaint(error.what(), "dataset.yaml:3", what);
+    }
+  }
+}
+
 TEST(DatasetDirectory, MissingFilesAreNamed) {
   const TemporaryDirectory folder;
   EXPECT_THROW(readDatasetDirectory(folder.path()), InvalidInput);
