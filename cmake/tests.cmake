@@ -95,12 +95,13 @@ endforeach()
 if(CMAKE_SOURCE_DIR STREQUAL PROJECT_SOURCE_DIR)
   set(CATKIN_ENV ${test_environment} ${CMAKE_COMMAND} -E env RAVEN_BUILD=${CMAKE_BINARY_DIR} timeout 2700)
   set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME})
+  set(runner ${PROJECT_SOURCE_DIR}/test/support/run_unittest.py)
   foreach(script lint/test_lint package/test_run package/test_package nodes/corrector_processes
       nodes/debridement nodes/hosts nodes/recorder_processes nodes/repeatability nodes/trainer_processes)
     get_filename_component(name ${script} NAME)
     set(file ${PROJECT_SOURCE_DIR}/test/${script}.py)
     catkin_run_tests_target(python ${name} ${name}.xml
-      COMMAND "${PYTHON_EXECUTABLE} '${file}' '--gtest_output=xml:${results}/${name}.xml'"
+      COMMAND "${PYTHON_EXECUTABLE} '${runner}' '${results}/${name}.xml' '${file}'"
       DEPENDENCIES ${own_libraries} ${node_targets})
   endforeach()
   set(lint ${PROJECT_SOURCE_DIR}/test/lint/lint.py)

@@ -33,7 +33,10 @@ def read_cases(path):
     except (ElementTree.ParseError, OSError) as error:
         yield path.stem, "result file", FAILED, f"{path}: {error} (was the test killed?)"
         return
-    for case in root.iter("testcase"):
+    cases = list(root.iter("testcase"))
+    if not cases:
+        yield path.stem, "result file", FAILED, f"{path}: holds no test (did what sets them up fail?)"
+    for case in cases:
         suite = case.get("classname") or path.stem
         result, text = outcome(case)
         if result != PASSED or not suite.startswith("rostest.runner"):

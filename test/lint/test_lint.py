@@ -294,8 +294,4 @@ class Lint(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if any(argument.startswith("--gtest_output") for argument in sys.argv):
-        import rosunit
-        rosunit.unitrun("raven_correction", "lint_rules", Lint)
-    else:
-        unittest.main()
+    unittest.main()

@@ -10,7 +10,7 @@ import time
 import xmlrpc.client
 
 from private_master import FOLDER, ProcessTest
-from processes import LIMIT, kill, run_tests, until
+from processes import LIMIT, kill, until
 
 import rosbag
 import rospy
@@ -211,4 +211,4 @@ class CorrectorProcesses(ProcessTest):
 
 
 if __name__ == "__main__":
-    run_tests("corrector_processes", CorrectorProcesses)
+    unittest.main()

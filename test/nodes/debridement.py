@@ -8,12 +8,9 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
-
-import rosunit
 
 ROOT = Path(__file__).resolve().parents[2]
 OFFLINE = Path(os.environ.get("RAVEN_BUILD", ROOT / "build")) / "devel/lib/raven_correction/offline"
@@ -66,6 +63,7 @@ class Debridement(unittest.TestCase):
         self.assertGreaterEqual(of["held"], of["delivered"])
 
     def test_bad_input_is_said_before_anything_starts(self):
+        (self.folder / "something").touch()
         for option, part in (({"arms": 3}, "arms = 3"), ({"fragments": 0}, "fragments"),
                              ({"condition": "x"}, "x is no condition"), ({"clock_rate": 0}, "clock rate"),
                              ({"json": "/nowhere/j.json"}, "/nowhere"),
@@ -78,4 +76,4 @@ class Debridement(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rosunit.unitrun("raven_correction", "debridement", Debridement, sysargs=sys.argv)
+    unittest.main()

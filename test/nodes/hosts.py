@@ -17,7 +17,7 @@ import xmlrpc.client
 from pathlib import Path
 
 from network import Network
-from processes import LIMIT, NODES, ROOT, kill, run_tests, skip, until
+from processes import LIMIT, NODES, ROOT, kill, until
 
 PORT = 11311
 ARM = "/arm"
@@ -113,6 +113,7 @@ class Observer:
 class Hosts(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
+        signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))  # so that hosts are removed
         if WHY_NOT:
             return
         cls.model = train_model()
@@ -148,7 +149,7 @@ class Hosts(unittest.TestCase):
 
     def setUp(self):
         if WHY_NOT:
-            skip(self, WHY_NOT)
+            self.skipTest(WHY_NOT)
         self.observer = Observer()
         self.addCleanup(self.observer.stop)
         self.start("robot", "simulator", "mocap/measured_cp:=cameras/measured_cp", file="simulator.yaml",
@@ -263,5 +264,4 @@ class Hosts(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))  # so that hosts are removed
-    run_tests("hosts", Hosts)
+    unittest.main()

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 
 from private_master import FOLDER, ProcessTest
-from processes import LIMIT, kill, run_tests, skip, until
+from processes import LIMIT, kill, until
 
 import rosbag
 import rospy
@@ -123,8 +123,8 @@ class RecorderProcesses(ProcessTest):
                                 "raven_correction_test", str(place)],
                                capture_output=True, text=True, check=False)
         if mount.returncode != 0:
-            skip(self, f"a small disk cannot be mounted here: {mount.stderr.strip()}; "
-                 "SessionWriter.SurvivesADiskThatFailsAndKeepsWhatItHas does without")
+            self.skipTest(f"a small disk cannot be mounted here: {mount.stderr.strip()}; "
+                          "SessionWriter.SurvivesADiskThatFailsAndKeepsWhatItHas does without")
         self.addCleanup(lambda: subprocess.run(["umount", "-l", str(place)], check=True))
         return place
 
@@ -251,4 +251,4 @@ class RecorderProcesses(ProcessTest):
 
 
 if __name__ == "__main__":
-    run_tests("recorder_processes", RecorderProcesses)
+    unittest.main()

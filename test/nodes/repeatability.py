@@ -8,15 +8,12 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 from pathlib import Path
 
 import rosbag
-import rosunit
-
 ROOT = Path(__file__).resolve().parents[2]
 OFFLINE = Path(os.environ.get("RAVEN_BUILD", ROOT / "build")) / "devel/lib/raven_correction/offline"
 LIMIT = 60.0  # for what takes a few seconds on an idle machine [s]
@@ -162,4 +159,4 @@ class Repeatability(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rosunit.unitrun("raven_correction", "repeatability", Repeatability, sysargs=sys.argv)
+    unittest.main()

@@ -7,7 +7,7 @@ import subprocess
 import threading
 
 from private_master import FOLDER, ProcessTest
-from processes import LIMIT, NODES, kill, run_tests, until
+from processes import LIMIT, NODES, kill, until
 
 import rospy
 from raven_correction.msg import WorkProgress
@@ -66,4 +66,4 @@ class TrainerProcesses(ProcessTest):
 
 
 if __name__ == "__main__":
-    run_tests("trainer_processes", TrainerProcesses)
+    unittest.main()

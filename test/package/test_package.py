@@ -9,7 +9,6 @@ package in the workspace too; otherwise only its messages, since the rest is bui
 import os
 import re
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -152,8 +151,4 @@ class Package(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if any(argument.startswith("--gtest_output") for argument in sys.argv):
-        import rosunit
-        rosunit.unitrun(NAME, "package", Package)
-    else:
-        unittest.main()
+    unittest.main()

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 import unittest
 from pathlib import Path
 
@@ -152,10 +153,46 @@ class Run(unittest.TestCase):
             bare = subprocess.run([str(offline), *arguments], capture_output=True, text=True, check=False)
             self.assertEqual((ours.returncode, ours.stdout), (bare.returncode, bare.stdout))
 
+    def count(self, cases):
+        """Results of a file with these cases: exit code of what ran it, last line and exit code of the count."""
+        file, results = self.folder / "cases.py", self.folder / "results"
+        file.write_text("import unittest\n" + textwrap.dedent(cases))
+        ran = subprocess.run([sys.executable, str(ROOT / "test/support/run_unittest.py"), str(results / "cases.xml"),
+                              str(file)], capture_output=True, text=True, check=False)
+        counted = subprocess.run([sys.executable, str(ROOT / "scripts/count_tests.py"), str(results)],
+                                 capture_output=True, text=True, check=False)
+        return ran.returncode, counted.stdout.splitlines()[-1], counted.returncode
+
+    def test_no_failure_is_lost(self):
+        self.assertEqual(self.count("""
+            class Cases(unittest.TestCase):
+                def test_of_three(self):
+                    for number in (1, 2, 3):
+                        with self.subTest(number=number):
+                            self.assertEqual(number, 2)
+                def test_that_passes(self):
+                    pass
+                def test_that_cannot_run_here(self):
+                    self.skipTest("why")
+            class NotSetUp(unittest.TestCase):
+                @classmethod
+                def setUpClass(cls):
+                    raise RuntimeError("no")
+                def test_never_reached(self):
+                    pass
+            """), (1, "1 passed, 3 failed, 1 skipped", 1))
+        self.assertEqual(self.count("""
+            class Cases(unittest.TestCase):
+                def test_that_passes(self):
+                    with self.subTest():
+                        pass
+            """), (0, "1 passed, 0 failed", 0))
+        self.assertEqual(self.count("raise RuntimeError")[1:], ("0 passed, 1 failed", 1))
+        (self.folder / "results/cases.xml").write_text("<testsuite/>")
+        counted = subprocess.run([sys.executable, str(ROOT / "scripts/count_tests.py"), str(self.folder)],
+                                 capture_output=True, text=True, check=False)
+        self.assertEqual((counted.returncode, counted.stdout.splitlines()[-1]), (1, "0 passed, 1 failed"))
+
 
 if __name__ == "__main__":
-    if any(argument.startswith("--gtest_output") for argument in sys.argv):
-        import rosunit
-        rosunit.unitrun("raven_correction", "run", Run)
-    else:
-        unittest.main()
+    unittest.main()
