@@ -7,13 +7,17 @@
 
 # Tests run in catkin's snapshot of the environment, which names this workspace only: add Debian's
 # ROS packages. And a test that hangs must end: after 15 minutes (lint and package: 45, they compile) it
-# is killed and counts as failed.
+# is killed and counts as failed. Under a sanitizer it has an hour.
 if(EXISTS /usr/share/roscpp/package.xml)
   set(append_packages "ROS_PACKAGE_PATH=\"$ROS_PACKAGE_PATH:/usr/share\" exec \"$@\"")
   list(APPEND CATKIN_ENV sh -c ${append_packages} test)
 endif()
 set(test_environment ${CATKIN_ENV})
-set(CATKIN_ENV ${test_environment} timeout 900)
+set(limit 900)
+if(CMAKE_BUILD_TYPE STREQUAL "Sanitize")
+  set(limit 3600)
+endif()
+set(CATKIN_ENV ${test_environment} timeout ${limit})
 
 # --- rooms --------------------------------------------------------------------------------------
 # As catkin_add_gtest(), which however insists on running a file with the name of the target.
