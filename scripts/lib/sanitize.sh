@@ -122,19 +122,19 @@ command_sanitize() {
 }
 
 command_fuzz() {
-  local seconds=60 target program status=0 log
+  local seconds=60 seed=0 target program status=0 log
   local -a targets=()
   while (($#)); do
     case $1 in
-      --seconds)
-        (($# > 1)) || refuse "--seconds needs a value"
-        [[ $2 =~ ^[1-9][0-9]{0,6}$ ]] || refuse "--seconds '$2' is not a whole number"
-        seconds=$2
+      --seconds | --seed)
+        (($# > 1)) || refuse "$1 needs a value"
+        [[ $2 =~ ^[1-9][0-9]{0,6}$ ]] || refuse "$1 '$2' is not a whole number above 0"
+        [[ $1 == --seconds ]] && seconds=$2 || seed=$2
         shift
         ;;
       *)
         [[ -e $root/fuzz/$1.cpp ]] ||
-          refuse "usage: ./run fuzz [--seconds S] [TARGET...], S (60) for all, TARGET one of: $(fuzz_targets | paste -sd ' ')"
+          refuse "usage: ./run fuzz [--seconds S] [--seed N] [TARGET...], S (60) for all, TARGET one of: $(fuzz_targets | paste -sd ' ')"
         targets+=("$1")
         ;;
     esac
@@ -148,7 +148,7 @@ command_fuzz() {
   for target in "${targets[@]}"; do
     program=$build/fuzz/$target log=$build/fuzz/$target.log
     say "fuzzing $target for $((seconds / ${#targets[@]})) s, corpus in $program.corpus"
-    if "$program" -max_total_time=$((seconds / ${#targets[@]})) -print_final_stats=1 -timeout=20 -rss_limit_mb=6000 \
+    if "$program" -seed="$seed" -max_total_time=$((seconds / ${#targets[@]})) -print_final_stats=1 -timeout=20 -rss_limit_mb=6000 \
       -artifact_prefix="$program." "$program.corpus" >"$log" 2>&1; then
       printf '%-8s %9s inputs, none broke it\n' "$target" "$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")"
     else
