@@ -3,11 +3,17 @@
 
 #include <filesystem>
 
+#include "bag_structure.h"
 #include "raven_correction/error.h"
 
 namespace raven_correction {
 
 namespace fs = std::filesystem;
+
+rosbag::Bag openBagFile(const std::string& file) {
+  checkBagStructure(file);
+  return rosbag::Bag(file, rosbag::bagmode::Read);
+}
 
 void writeBagFile(const std::string& file, bool overwrite,
                   const std::function<void(rosbag::Bag&)>& write) {

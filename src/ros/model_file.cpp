@@ -222,7 +222,7 @@ Correction readModelFile(const std::string& file) {
   if (!fs::exists(file))
     throw InvalidInput(format("%s: no such file; train a model first", file.c_str()));
   try {
-    rosbag::Bag bag(file, rosbag::bagmode::Read);
+    const rosbag::Bag bag = openBagFile(file);
     rosbag::View view(bag, rosbag::TopicQuery(topics::kModel));
     for (const rosbag::MessageInstance& instance : view)
       if (instance.isType<CorrectionModel>())

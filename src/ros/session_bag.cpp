@@ -236,7 +236,7 @@ void readMessages(const std::string& file, const ShareRead& progress, RawStreams
                file.c_str(), error.what(), file.c_str()));
   };
   try {
-    rosbag::Bag bag(file, rosbag::bagmode::Read);
+    const rosbag::Bag bag = openBagFile(file);
     rosbag::View view(bag);
     for (const rosbag::ConnectionInfo* connection : view.getConnections())
       raw.topics.push_back({withoutSlash(connection->topic), connection->datatype});
@@ -341,7 +341,7 @@ Session readSessionBag(const std::string& file) { return readSessionParts({file}
 
 bool holdsSession(const std::string& file) {
   try {
-    rosbag::Bag bag(file, rosbag::bagmode::Read);
+    const rosbag::Bag bag = openBagFile(file);
     for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections())
       if (withoutSlash(connection->topic) == topics::kMocap) return true;
   } catch (const ros::Exception&) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A bag that is written at once and is there complete or not at all (models, imported sessions). A
-// recording, which grows for minutes, is session_writer.h.
+// Bags that may be damaged, and a bag that is written at once and is there complete or not at all
+// (models, imported sessions). A recording, which grows for minutes, is session_writer.h.
 #pragma once
 
 #include <rosbag/bag.h>
@@ -9,6 +9,10 @@
 #include <string>
 
 namespace raven_correction {
+
+/// A bag to read, of which no damage makes rosbag read beyond its memory (bag_structure.h).
+/// @throws rosbag::BagException  it cannot be read, or is damaged, and where
+rosbag::Bag openBagFile(const std::string& file);
 
 /// Writes FILE.part and renames it when it is complete; folders are created as needed.
 /// @param write  fills the open bag; what it throws becomes the reason of the refusal

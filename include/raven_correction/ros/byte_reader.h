@@ -17,6 +17,8 @@ class ByteReader {
  public:
   explicit ByteReader(const std::vector<std::uint8_t>& bytes) noexcept
       : data_(bytes.data()), size_(bytes.size()) {}
+  explicit ByteReader(std::string_view bytes) noexcept
+      : data_(reinterpret_cast<const std::uint8_t*>(bytes.data())), size_(bytes.size()) {}
 
   bool ok() const noexcept { return ok_; }
   bool atEnd() const noexcept { return ok_ && place_ == size_; }
