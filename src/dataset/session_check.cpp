@@ -7,6 +7,7 @@
 #include "raven_correction/dataset/stream_check.h"
 #include "raven_correction/dataset/synchronisation.h"
 #include "raven_correction/error.h"
+#include "raven_correction/geometry/orientation_match.h"
 #include "raven_correction/geometry/statistics.h"
 
 namespace raven_correction {
@@ -20,8 +21,8 @@ constexpr double kOtherUnits = 100.0;   // one motion this many times the other 
 constexpr double kEarly = 0.03;         // observations before their commands [s]
 constexpr std::size_t kFollowPairs = 600;
 constexpr std::size_t kSpreadSamples = 20000;
-constexpr double kTurned = 1.0;  // against the commands, before an order is doubted [rad]
-constexpr double kNear = 0.6;    // to the commands, if the other order is right [rad]
+constexpr double kUnlike = 0.05;   // what is left of turns, before they are doubted [rad]
+constexpr double kMirrored = 0.5;  // of that is left if they are mirrored [-]
 constexpr double kDegree = 180.0 / M_PI;
 
 /// Positions from all trajectories, evenly chosen where there are more than kSpreadSamples: a
@@ -56,19 +57,18 @@ double spreadOf(const std::vector<Eigen::Vector3d>& positions) {
   return median(values);
 }
 
-/// Written with w first and read with w last, a quaternion is of unit length all the same. That
-/// the other order brings it near the commands is then no chance, although the frame of markers may
-/// be turned against that of the tool.
-void checkQuaternionOrder(const std::vector<double>& angles, const std::vector<double>& reordered,
-                          const std::string& name, std::vector<StreamFinding>& findings) {
-  if (angles.size() < kEnough) return;
-  const double as_read = median(angles), otherwise = median(reordered);
-  if (as_read < kTurned || otherwise > kNear) return;
+/// Neither a registration nor a marker that is turned against the tool can mirror its turns.
+void checkQuaternionOrder(const std::vector<Eigen::Quaterniond>& told,
+                          const std::vector<Eigen::Quaterniond>& seen, const std::string& name,
+                          std::vector<StreamFinding>& findings) {
+  if (told.size() < kEnough) return;
+  const OrientationMatch match = matchOrientations(told, seen);
+  if (match.turned < kUnlike || match.mirrored > kMirrored * match.turned) return;
   findings.push_back({Severity::kWarning, name, "orientation",
-                      format("turned by %.0f deg against the commands (median), by %.0f deg if its "
-                             "quaternions were written with w first",
-                             as_read * kDegree, otherwise * kDegree),
-                      "x, y, z, w", "write quaternions with w last, not with w first"});
+                      format("turns as commanded to %.1f deg (median), mirrored to %.1f deg",
+                             match.turned * kDegree, match.mirrored * kDegree),
+                      "x, y, z, w of the tool in the tracker's frame",
+                      "write quaternions with w last, not with w first"});
 }
 
 }  // namespace
@@ -109,20 +109,18 @@ void checkFollowing(const Dataset& dataset, const StreamCheckOptions& options,
     return;
   }
   std::vector<double> distances;
-  std::vector<double> angles, reordered;
+  std::vector<Eigen::Quaterniond> commanded_turns, observed_turns;
   for (const Trajectory& trajectory : dataset.trajectories) {
     const PoseStream sent = screenCommands(trajectory.commands).samples;
     for (const StampedPose& seen : screenObservations(trajectory.observations).samples)
       if (const auto command =
               poseAt(sent, seen.stamp - (known ? delay.delay : 0.0), problem.max_gap)) {
         distances.push_back((command->p - seen.pose.p).norm());
-        const Eigen::Quaterniond& q = seen.pose.q;
-        angles.push_back(rotationAngle(q, command->q));
-        reordered.push_back(
-            rotationAngle(Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()), command->q));
+        commanded_turns.push_back(command->q);
+        observed_turns.push_back(seen.pose.q);
       }
   }
-  checkQuaternionOrder(angles, reordered, observations_name, findings);
+  checkQuaternionOrder(commanded_turns, observed_turns, observations_name, findings);
   if (distances.size() >= kEnough && median(distances) > options.max_error)
     findings.push_back(
         {Severity::kError, observations_name, "distance",
