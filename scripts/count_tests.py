@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Counts what the tests wrote: names every failure, then prints `N passed, N failed` as the last line.
 
-usage: count_tests.py DIRECTORY    (catkin's test_results: JUnit XML files, one per test program)
+usage: count_tests.py DIRECTORY [NAME...]
 
+DIRECTORY has JUnit XML files, one per test program (catkin's test_results). NAMEs are of what was not
+completed, for instance because it hung and was killed: it left no file, and counts as failed.
 Exit code 1 if a test failed or none ran. Besides the cases of the program it starts, a rostest
 reports itself: that counts only if it failed, for instance because the program died.
 """
@@ -44,7 +46,7 @@ def read_cases(path):
 
 
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) < 2:
         print(__doc__, file=sys.stderr)
         return 2
     counts = {PASSED: 0, SKIPPED: 0, FAILED: 0}
@@ -53,6 +55,9 @@ def main():
             counts[result] += 1
             if result == FAILED:
                 print(f"FAILED {suite}.{name}    ({path.name})\n  " + text.replace("\n", "\n  "))
+    for name in sys.argv[2:]:
+        counts[FAILED] += 1
+        print(f"FAILED {name}\n  was not completed; was it killed?")
     none_ran = counts[PASSED] + counts[FAILED] == 0
     if none_ran:
         print(f"no test ran: {sys.argv[1]} holds no result")

@@ -189,9 +189,10 @@ class Run(unittest.TestCase):
             """), (0, "1 passed, 0 failed", 0))
         self.assertEqual(self.count("raise RuntimeError")[1:], ("0 passed, 1 failed", 1))
         (self.folder / "results/cases.xml").write_text("<testsuite/>")
-        counted = subprocess.run([sys.executable, str(ROOT / "scripts/count_tests.py"), str(self.folder)],
-                                 capture_output=True, text=True, check=False)
-        self.assertEqual((counted.returncode, counted.stdout.splitlines()[-1]), (1, "0 passed, 1 failed"))
+        for killed, failed in (((), 1), (("that hung",), 2)):
+            counted = subprocess.run([sys.executable, str(ROOT / "scripts/count_tests.py"), str(self.folder), *killed],
+                                     capture_output=True, text=True, check=False)
+            self.assertEqual((counted.returncode, counted.stdout.splitlines()[-1]), (1, f"0 passed, {failed} failed"))
 
 
 if __name__ == "__main__":
