@@ -45,6 +45,7 @@ sanitizer_options() {
     thread)
       export TSAN_OPTIONS=$common:suppressions=$lists/threads.supp:print_suppressions=0
       TSAN_OPTIONS+=:ignore_noninstrumented_modules=1:second_deadlock_stack=1
+      TSAN_OPTIONS+=:die_after_fork=0 # tests fork a process with threads of its own, to kill it
       OMP_TOOL_LIBRARIES=$(archer)
       export OMP_TOOL_LIBRARIES
       ;;

@@ -166,7 +166,8 @@ void CorrectedArm::report(const CommandRequest& message, double now, const ArmRe
 
 void CorrectedArm::restart(double now) noexcept {
   corrector_.restart();
-  homed_at_ = std::min(homed_at_.load(), now);
+  for (HomingTimes* const times : {&seen_homing_, &possible_homing_})
+    times->at = std::min(times->at.load(), now);
   known_ = {};
   path_.begin();  // its ends are known still
   followed_ = false;
@@ -341,15 +342,16 @@ void CorrectedArm::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
     status.mergeSummary(Level::WARN, "the model has expired");
   // A model knows of the homing that it was recorded after, or at least when it was trained.
   const bool by_recording = model_.homed_at > 0.0;
-  const double homed = by_recording ? homed_at_ : homed_unix_;
   const double known = by_recording ? model_.homed_at : model_.trained_at;
-  // At 0 the simulated clock had not begun.
-  const bool homed_since =
-      homing_ != HomingWatch::Homing::kNone && (homed == 0.0 || homed > known + kSameHoming);
+  const auto homedSince = [&](const HomingTimes& times) {
+    return (by_recording ? times.at : times.unix_time) > known + kSameHoming;
+  };
   const bool proven = preflight_state_ == PreflightState::kPassed;  // since then
-  if (homed_since && !model_.id.empty() && !proven)
-    status.mergeSummaryf(Level::WARN, "after the model was %s the robot %s",
-                         by_recording ? "recorded" : "trained", homingText(homing_));
+  const bool seen = homedSince(seen_homing_);
+  if ((seen || homedSince(possible_homing_)) && !model_.id.empty() && !proven)
+    status.mergeSummaryf(
+        Level::WARN, "after the model was %s the robot %s", by_recording ? "recorded" : "trained",
+        homingText(seen ? HomingWatch::Homing::kSeen : HomingWatch::Homing::kPossible));
   diagnosePreflight(status);
   std::vector<StreamFinding> findings = topic_findings_;
   for (const StreamFinding& finding : observer_.findings()) findings.push_back(finding);

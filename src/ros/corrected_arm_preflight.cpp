@@ -43,8 +43,11 @@ void CorrectedArm::noteHoming(HomingWatch::Homing homing) noexcept {
   // What was seen is not made doubtful by a silence after it.
   if (homing_ != HomingWatch::Homing::kSeen || preflight_state_ != PreflightState::kNeeded)
     homing_.store(homing);
-  homed_at_.store(ros::Time::now().toSec());
-  homed_unix_.store(ros::WallTime::now().toSec());
+  HomingTimes& times = homing == HomingWatch::Homing::kSeen ? seen_homing_ : possible_homing_;
+  // While a simulated clock has not begun, it is after everything that was recorded.
+  const ros::Time now = ros::Time::now();
+  times.at.store(now.isZero() ? std::numeric_limits<double>::infinity() : now.toSec());
+  times.unix_time.store(ros::WallTime::now().toSec());
   gate_.noteHoming();
   if (!gate_.required()) return;
   corrector_.setMode(CorrectorMode::kOff);

@@ -3,6 +3,7 @@
 
 #include <std_msgs/String.h>
 
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <ctime>
 #include <filesystem>
@@ -41,6 +42,7 @@ Recorder::Recorder(ros::NodeHandle nh, ros::NodeHandle private_nh, const Recorde
       registration_(params.base_frame),
       synchroniser_(params.pairs),
       delay_(params.delay),
+      homing_watch_(std::max(HomingWatch::kSilence, params.robot_state_timeout)),
       free_bytes_(freeBytesNear(params.directory)),
       diagnostics_(nh_, private_nh) {
   last_diagnosis_ = ros::SteadyTime::now();

@@ -30,6 +30,7 @@ RecorderParams loadRecorderParams(const ros::NodeHandle& nh) {
   read.text("mocap_frame", params.mocap_frame);
   read.oneOf("mocap_stamp", params.mocap_stamp, {"header", "receipt"});
   read.text("robot_state_topic", params.robot_state_topic);
+  read.positive("robot_state_timeout", params.robot_state_timeout, 60.0);
   read.text("robot_state_arm", params.robot_state_arm);
   read.text("robot_state_frame", params.robot_state_frame);
   read.text("robot", params.robot);
@@ -82,6 +83,7 @@ std::string recorderParametersYaml(const RecorderParams& params) {
   add("mocap_frame", params.mocap_frame);
   add("mocap_stamp", params.mocap_stamp);
   add("robot_state_topic", params.robot_state_topic);
+  add("robot_state_timeout", params.robot_state_timeout);
   add("robot_state_arm", params.robot_state_arm);
   add("robot_state_frame", params.robot_state_frame);
   add("robot", params.robot);

@@ -95,7 +95,8 @@ class HomingClock : public CorrectorClock {
   }
   /// The robot is homed at this time.
   void homeAt(double time) {
-    for (const bool homed : {false, true}) {
+    // That nothing is known of it looks like not homed.
+    for (const bool homed : {true, false, true}) {
       const auto held = [&] {
         state_.publish(operatingState("ENABLED", homed));
         return sendAt(time += 0.01).code == CorrectionStatus::PASSED_ROBOT_NOT_READY;

@@ -64,7 +64,9 @@ double now() { return ros::Time::now().toSec(); }
 bool pause(bool stand) {
   std_srvs::SetBool call;
   call.request.data = stand;
-  return ros::service::call(std::string(kSimulator) + "/pause", call) && call.response.success;
+  return waitFor([&] { return ros::service::call(std::string(kSimulator) + "/pause", call); },
+                 kLimit) &&
+         call.response.success;
 }
 
 class DebridementArmTest : public ::testing::Test {
@@ -86,7 +88,10 @@ class DebridementArmTest : public ::testing::Test {
         kLimit));
     left = std::make_unique<DebridementArm>("/raven/left", "0_link", eye, interrupted);
   }
-  ~DebridementArmTest() override { spinner_.stop(); }
+  ~DebridementArmTest() override {
+    EXPECT_TRUE(pause(false)) << "a clock that stands would hang the next test";
+    spinner_.stop();
+  }
 
   /// Above the middle of the field.
   static Pose overField() {

@@ -89,6 +89,14 @@ class CorrectorProbe {
   /// @param good  a pose that is forwarded
   void expectRefused(const Message& bad, std::uint8_t code, const Pose& good,
                      const std::string& frame = "0_link") {
+    // What was forwarded before may be on its way still, on a connection of its own.
+    const auto accepted = std::find_if(statuses.rbegin(), statuses.rend(),
+                                       [](const auto& status) { return status.code < 16; });
+    if (accepted != statuses.rend()) {
+      const ros::Time stamp = accepted->header.stamp;
+      EXPECT_TRUE(
+          until([&] { return !commands.empty() && commands.back().header.stamp >= stamp; }));
+    }
     const std::size_t before = commands.size();
     EXPECT_EQ(send(bad).code, code);
     // Each topic is one connection, in order: after a further accepted pose exactly one command

@@ -37,15 +37,15 @@ double distanceFromWorkspace(const Eigen::Vector3d& p, const TrustRegion& trust)
 /// R_G exp(r) (frame of the tool after the rigid step). With physics, the command that the
 /// simulation says (physics.h) takes the place of x_G there; features stay those after G.
 struct Correction {
-  std::string id;                   ///< unique name
-  std::string version;              ///< of the package that trained it
-  double trained_at = 0.0;          ///< Unix time [s]
-  std::string frame = "base";       ///< base frame of all poses
-  std::string arm;                  ///< robot and arm it is for; empty: not known
-  std::string tool;                 ///< on that arm; empty: not known
-  std::string pose_type;            ///< message type of the commands; empty: not known
-  double homed_at = 0.0;            ///< last homing, or silence that may hide one [s]
-  double expires_at = 0.0;          ///< Unix time; 0: never [s]
+  std::string id;              ///< unique name
+  std::string version;         ///< of the package that trained it
+  double trained_at = 0.0;     ///< Unix time [s]
+  std::string frame = "base";  ///< base frame of all poses
+  std::string arm;             ///< robot and arm it is for; empty: not known
+  std::string tool;            ///< on that arm; empty: not known
+  std::string pose_type;       ///< message type of the commands; empty: not known
+  double homed_at = 0.0;       ///< last homing or silence, recordings' clock; 0: none known [s]
+  double expires_at = 0.0;     ///< Unix time; 0: never [s]
   std::vector<std::string> inputs;  ///< files it was trained on
   std::string input_hash;           ///< of the training pairs
   std::string configuration;        ///< the complete trainer configuration, YAML

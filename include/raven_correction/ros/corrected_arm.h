@@ -16,6 +16,7 @@
 
 #include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -150,9 +151,14 @@ class CorrectedArm {
   std::atomic<ToolKnownBy> tool_known_by_{ToolKnownBy::kNotAsked};
 
   std::atomic<double> master_heard_at_;  // [s] of the steady clock
-  // The last homing: by the clock of the recordings, and by that of the trainings [s].
-  std::atomic<HomingWatch::Homing> homing_{HomingWatch::Homing::kNone};
-  std::atomic<double> homed_at_{0.0}, homed_unix_{0.0};
+  /// By the clock of the recordings, and by that of the trainings [s].
+  struct HomingTimes {
+    std::atomic<double> at{-std::numeric_limits<double>::infinity()};
+    std::atomic<double> unix_time{-std::numeric_limits<double>::infinity()};
+  };
+  HomingTimes seen_homing_, possible_homing_;  // the last of each kind
+  std::atomic<HomingWatch::Homing> homing_{
+      HomingWatch::Homing::kNone};  // since a pre-flight passed
 
   std::atomic<std::uint32_t> offs_{0};  // times it was switched off by somebody
   PreflightGate gate_;

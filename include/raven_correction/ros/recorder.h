@@ -43,6 +43,7 @@ struct RecorderParams {
   std::string mocap_frame;  ///< frame of motion capture messages that name none; empty: unknown
   std::string mocap_stamp = "header";  ///< header, or receipt for drivers that leave it empty
   std::string robot_state_topic;       ///< says when the robot is homed; empty: not asked
+  double robot_state_timeout = 1.0;    ///< states are no further apart [s]
   std::string robot_state_arm;    ///< whose pose and joints are taken from it; empty: from topics
   std::string robot_state_frame;  ///< of its poses where they name none; empty: base_frame
   std::string robot;              ///< chain of this arm, for the checks; empty: not checked
