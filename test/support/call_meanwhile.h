@@ -17,7 +17,8 @@ bool isReady(const std::future<Answer>& answer) {
   return answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-/// Calls in another thread. Of thousands of calls roscpp lost one, on a busy machine: it is made again.
+/// Calls in another thread. Of thousands of calls roscpp lost one, on a busy machine: it is made
+/// again.
 template <typename Service>
 std::future<typename Service::Response> beginCall(const ros::NodeHandle& nh,
                                                   const std::string& name, const Service& request) {
