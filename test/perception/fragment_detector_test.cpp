@@ -51,7 +51,8 @@ TEST(FragmentTrial, FindsMostOfWhatIsHalfVisible) {
 }
 
 // Scenes of which each had one: blood stains that seem to have a height (20065, 20399, 40058), and
-// slivers of fragments (the others). As ./run sanitize builds it, rounding brings that of 20399 back.
+// slivers of fragments (the others). As ./run sanitize builds it, rounding brings that of 20399
+// back.
 TEST(FragmentTrial, SeesNoFragmentInMarksAndSlivers) {
   FragmentTrial trial;
   trial.scenes = 1;

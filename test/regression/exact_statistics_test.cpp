@@ -32,7 +32,8 @@ void expectSame(const GpGroup& a, const GpGroup& b) {
   Eigen::MatrixXd mean_a, mean_b, variance_a, variance_b;
   GpPredictor(modelOf(a)).predict(queries, mean_a, &variance_a);
   GpPredictor(modelOf(b)).predict(queries, mean_b, &variance_b);
-  // Rounding alone, which depends on the compiler: as ./run sanitize builds it, 1e-8 was too little.
+  // Rounding alone, which depends on the compiler: as ./run sanitize builds it, 1e-8 was too
+  // little.
   EXPECT_LT((mean_a - mean_b).cwiseAbs().maxCoeff(), 5e-8);
   EXPECT_LT((variance_a - variance_b).cwiseAbs().maxCoeff(), 1e-8);
 }
