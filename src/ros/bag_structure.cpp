@@ -2,6 +2,7 @@
 #include "bag_structure.h"
 
 #include <fcntl.h>
+#include <rosbag/chunked_file.h>
 #include <rosbag/constants.h>
 #include <rosbag/exceptions.h>
 #include <sys/mman.h>
@@ -10,7 +11,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <new>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -67,6 +71,13 @@ class Fields {
       if (delimiter == std::string_view::npos) refuse(at, "a field without a value");
       fields_.emplace_back(field.substr(0, delimiter), field.substr(delimiter + 1));
     }
+    std::sort(fields_.begin(), fields_.end());
+    const auto twice =
+        std::adjacent_find(fields_.begin(), fields_.end(),
+                           [](const auto& a, const auto& b) { return a.first == b.first; });
+    // Which of them rosbag would take is not for us to know.
+    if (twice != fields_.end())
+      refuse(place, format("the field %s comes twice", std::string(twice->first).c_str()));
   }
   bool has(const std::string& name) const { return find(name) != fields_.end(); }
   std::string_view text(const std::string& name) const {
@@ -87,12 +98,14 @@ class Fields {
 
  private:
   using List = std::vector<std::pair<std::string_view, std::string_view>>;
-  List::const_iterator find(const std::string& name) const {
-    return std::find_if(fields_.begin(), fields_.end(),
-                        [&](const auto& field) { return field.first == name; });
+  List::const_iterator find(std::string_view name) const {
+    const auto field = std::lower_bound(
+        fields_.begin(), fields_.end(), name,
+        [](const auto& one, std::string_view wanted) { return one.first < wanted; });
+    return field != fields_.end() && field->first == name ? field : fields_.end();
   }
 
-  List fields_;
+  List fields_;  ///< ordered by name
   std::size_t place_ = 0;
 };
 
@@ -114,6 +127,33 @@ struct Record {
     fields.read(header, header_place);
     kind = fields.number<std::uint8_t>(rosbag::OP_FIELD_NAME);
   }
+};
+
+/// What a compressed chunk holds; zero where it holds less than it says.
+class UnpackedChunk {
+ public:
+  /// @throws rosbag::BagException  it cannot be unpacked
+  std::string_view unpack(const Record& chunk) {
+    const std::string_view how = chunk.fields.text(rosbag::COMPRESSION_FIELD_NAME);
+    const bool bz2 = how == rosbag::COMPRESSION_BZ2;
+    if (!bz2 && how != rosbag::COMPRESSION_LZ4)
+      refuse(chunk.place, "a compression that is unknown");
+    const auto size = chunk.fields.number<std::uint32_t>(rosbag::SIZE_FIELD_NAME);
+    bytes_.reset(static_cast<std::uint8_t*>(std::calloc(std::max<std::size_t>(size, 1), 1)));
+    if (bytes_ == nullptr) throw std::bad_alloc();
+    std::vector<std::uint8_t> packed(chunk.data.begin(),
+                                     chunk.data.end());  // rosbag wants to write
+    file_.decompress(bz2 ? rosbag::compression::BZ2 : rosbag::compression::LZ4, bytes_.get(), size,
+                     packed.data(), static_cast<unsigned>(packed.size()));
+    return {reinterpret_cast<const char*>(bytes_.get()), size};
+  }
+
+ private:
+  struct Free {
+    void operator()(std::uint8_t* bytes) const { std::free(bytes); }
+  };
+  rosbag::ChunkedFile file_;  ///< of nothing: for its way to unpack
+  std::unique_ptr<std::uint8_t, Free> bytes_;
 };
 
 /// Where there are records of one kind, in ascending order.
@@ -172,14 +212,24 @@ class StructureCheck {
   void checkChunk(const Record& chunk) {
     chunks_.push_back(chunk.place);
     messages_.clear();
-    compressed_ = chunk.fields.text(rosbag::COMPRESSION_FIELD_NAME) != rosbag::COMPRESSION_NONE;
-    if (compressed_) return;
-    if (chunk.fields.number<std::uint32_t>(rosbag::SIZE_FIELD_NAME) != chunk.data.size())
-      refuse(chunk.place, "the chunk is not as long as it says");
-    ByteReader reader(chunk.data);
+    if (chunk.fields.text(rosbag::COMPRESSION_FIELD_NAME) == rosbag::COMPRESSION_NONE) {
+      if (chunk.fields.number<std::uint32_t>(rosbag::SIZE_FIELD_NAME) != chunk.data.size())
+        refuse(chunk.place, "the chunk is not as long as it says");
+      return checkContent(chunk.data, chunk.data_place);
+    }
+    try {
+      checkContent(unpacked_.unpack(chunk), 0);
+    } catch (const rosbag::BagException& error) {
+      refuse(chunk.place, format("the chunk, unpacked: %s", error.what()));
+    }
+  }
+
+  /// @param place  of the content in the file
+  void checkContent(std::string_view content, std::size_t place) {
+    ByteReader reader(content);
     while (!reader.atEnd()) {
       const std::size_t offset = reader.place();
-      inner_.read(reader, chunk.data_place);
+      inner_.read(reader, place);
       if (inner_.kind == rosbag::OP_CONNECTION) checkConnection(inner_);
       if (inner_.kind == rosbag::OP_MSG_DATA) messages_.push_back(offset);
     }
@@ -200,7 +250,7 @@ class StructureCheck {
     for (std::uint64_t i = 0; i < count && reader.ok(); ++i) {
       reader.number<std::uint64_t>();  // time
       const auto offset = reader.number<std::uint32_t>();
-      if (reader.ok() && !compressed_ && !contains(messages_, offset))
+      if (reader.ok() && !contains(messages_, offset))
         refuse(index.place, format("the index names a message at %u of its chunk, where none is",
                                    static_cast<unsigned>(offset)));
     }
@@ -216,7 +266,7 @@ class StructureCheck {
 
   Places chunks_, summarised_;
   Places messages_;  ///< of the last chunk, within it
-  bool compressed_ = false;
+  UnpackedChunk unpacked_;
   Record inner_;   ///< within a chunk; a member for its memory
   Fields header_;  ///< of a connection
 };

@@ -110,6 +110,32 @@ TEST_F(BagFile, DamagedLengthsAndPlacesAreNamedWithTheirByte) {
   expectComplaint(with(sound_, time + 8, 3), "names a message at 3 of its chunk");
 }
 
+TEST_F(BagFile, AFieldThatComesTwiceIsRefused) {
+  // What was looked at must be what rosbag follows, whichever of them that is.
+  const std::size_t time = sound_.find("time=");  // of the first message, behind its connection
+  ASSERT_NE(time, std::string::npos);
+  std::string twice = sound_;
+  twice.replace(time, 4, "conn");
+  expectComplaint(twice, "the field conn comes twice");
+}
+
+TEST_F(BagFile, DamageWithinACompressedChunkIsFoundThere) {
+  for (const auto compression : {rosbag::compression::BZ2, rosbag::compression::LZ4}) {
+    const std::string packed = makeBag(file_, compression);
+    const std::size_t size = packed.find("size=", packed.find("compression=")) + 5;
+    std::uint32_t unpacked = 0;
+    std::memcpy(&unpacked, &packed.at(size), sizeof unpacked);
+    // Of what is there less is unpacked, or nothing is where more should be.
+    for (const std::uint32_t wrong : {unpacked - 1, unpacked + 100, 0u})
+      expectComplaint(with(packed, size, wrong), "the chunk, unpacked: ");
+    const std::size_t index = packed.find("ver=", size);
+    const std::size_t time = packed.find(std::string("\x64\0\0\0\0\0\0\0", 8), index);
+    ASSERT_NE(time, std::string::npos);
+    expectComplaint(with(packed, time + 8, 3), "names a message at 3 of its chunk");
+    expectComplaint(with(packed, time + 8, unpacked - 4), "names a message at ");
+  }
+}
+
 TEST_F(BagFile, WithoutAnIndexItIsRosbagThatSaysSo) {
   const std::size_t place = sound_.find("index_pos=") + 10;
   EXPECT_THROW(messagesIn(with(with(sound_, place, 0), place + 4, 0), file_),
@@ -118,7 +144,7 @@ TEST_F(BagFile, WithoutAnIndexItIsRosbagThatSaysSo) {
   EXPECT_THROW(messagesIn("", file_), rosbag::BagException);
 }
 
-TEST_F(BagFile, WhateverIsDamagedIsReadOrRefused) {
+TEST_F(BagFile, WhateverIsDamagedIsReadOrRefusedHoweverItIsCompressed) {
   console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);  // rosbag tells each
   const auto readOrRefuse = [&](const std::string& bytes) {
     try {
@@ -130,18 +156,22 @@ TEST_F(BagFile, WhateverIsDamagedIsReadOrRefused) {
     }
     return false;
   };
-  // Not within the spaces that the header of a bag is filled up with.
-  const std::size_t spaces = sound_.find("   "), records = sound_.find_first_not_of(' ', spaces);
-  std::size_t refused = 0;
-  for (std::size_t at = 0; at + 4 <= sound_.size(); ++at) {
-    if (at == spaces) at = records - 4;
-    for (const std::uint32_t number : {0xffu, 0xffffffffu})
-      refused += readOrRefuse(with(sound_, at, number)) ? 0 : 1;
+  for (const auto compression :
+       {rosbag::compression::Uncompressed, rosbag::compression::BZ2, rosbag::compression::LZ4}) {
+    const std::string sound = makeBag(file_, compression);
+    // Not within the spaces that the header of a bag is filled up with.
+    const std::size_t spaces = sound.find("   "), records = sound.find_first_not_of(' ', spaces);
+    std::size_t refused = 0;
+    for (std::size_t at = 0; at + 4 <= sound.size(); ++at) {
+      if (at == spaces) at = records - 4;
+      for (const std::uint32_t number : {0xffu, 0xffffffffu})
+        refused += readOrRefuse(with(sound, at, number)) ? 0 : 1;
+    }
+    EXPECT_GT(2 * refused, sound.size() - (records - spaces)) << compression;
+    for (std::size_t size = 0; size < sound.size();
+         size += 1 + (size > spaces && size < records) * 40)
+      EXPECT_FALSE(readOrRefuse(sound.substr(0, size))) << compression << " " << size;
   }
-  EXPECT_GT(2 * refused, sound_.size() - (records - spaces));
-  for (std::size_t size = 0; size < sound_.size();
-       size += 1 + (size > spaces && size < records) * 40)
-    EXPECT_FALSE(readOrRefuse(sound_.substr(0, size))) << size;
 }
 
 }  // namespace
