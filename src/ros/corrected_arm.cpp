@@ -166,8 +166,7 @@ void CorrectedArm::report(const CommandRequest& message, double now, const ArmRe
 
 void CorrectedArm::restart(double now) noexcept {
   corrector_.restart();
-  for (HomingTimes* const times : {&seen_homing_, &possible_homing_})
-    times->at = std::min(times->at.load(), now);
+  boundHomings(now);
   known_ = {};
   path_.begin();  // its ends are known still
   followed_ = false;

@@ -44,14 +44,21 @@ void CorrectedArm::noteHoming(HomingWatch::Homing homing) noexcept {
   if (homing_ != HomingWatch::Homing::kSeen || preflight_state_ != PreflightState::kNeeded)
     homing_.store(homing);
   HomingTimes& times = homing == HomingWatch::Homing::kSeen ? seen_homing_ : possible_homing_;
-  // While a simulated clock has not begun, it is after everything that was recorded.
+  // While a simulated clock has not begun, it is after everything that was recorded; once it has,
+  // nothing that was noted is later than now.
   const ros::Time now = ros::Time::now();
   times.at.store(now.isZero() ? std::numeric_limits<double>::infinity() : now.toSec());
+  if (!now.isZero()) boundHomings(now.toSec());
   times.unix_time.store(ros::WallTime::now().toSec());
   gate_.noteHoming();
   if (!gate_.required()) return;
   corrector_.setMode(CorrectorMode::kOff);
   preflight_state_.store(PreflightState::kNeeded);
+}
+
+void CorrectedArm::boundHomings(double now) noexcept {
+  for (HomingTimes* const times : {&seen_homing_, &possible_homing_})
+    times->at = std::min(times->at.load(), now);
 }
 
 std::string CorrectedArm::refusal(CorrectorMode mode, bool override_preflight) const {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <rosgraph_msgs/Clock.h>
 
+#include "raven_correction/ros/homing_watch.h"
 #include "support/corrector_probe.h"
 #include "support/node_main.h"
 #include "support/operating_state.h"
@@ -104,8 +105,16 @@ class HomingClock : public CorrectorClock {
       EXPECT_TRUE(probe_.until([&] { return held() != homed; }));
     }
   }
+  /// Before a simulated clock has begun its state is silent for long enough to hide a homing.
+  void beSilentBeforeTheClock() {
+    clock_.publish(rosgraph_msgs::Clock());
+    EXPECT_TRUE(probe_.until([] { return ros::Time::now().isZero(); }));
+    state_.publish(operatingState("ENABLED", true));
+    ros::WallDuration(1.2 * HomingWatch::kSilence).sleep();
+    state_.publish(operatingState("ENABLED", true));
+  }
   /// What is said of a model whose recording knows of a homing at this time.
-  bool isOutdated(double homed_at) {
+  std::string said(double homed_at) {
     static int number = 0;
     Correction model = simpleModel();
     model.id = "homed_" + std::to_string(++number);
@@ -118,7 +127,13 @@ class HomingClock : public CorrectorClock {
         if (value.key == "model" && value.value == model.id) return true;
       return false;
     }));
-    return message.find("after the model was recorded the robot was homed") != std::string::npos;
+    return message;
+  }
+  bool isOutdated(double homed_at) {
+    return said(homed_at).find("recorded the robot was homed") != std::string::npos;
+  }
+  bool mayBeOutdated(double homed_at) {
+    return said(homed_at).find("recorded the robot may have been homed") != std::string::npos;
   }
 
  private:
@@ -134,6 +149,14 @@ TEST_F(HomingClock, AHomingAndARecordingAreComparedByTheirOwnClock) {
   EXPECT_FALSE(isOutdated(1500.0));
   homeAt(1600.0);
   EXPECT_TRUE(isOutdated(1500.0));
+}
+
+TEST_F(HomingClock, WhatWasBeforeTheClockBeganIsNotAfterAHoming) {
+  beSilentBeforeTheClock();
+  EXPECT_TRUE(mayBeOutdated(1e9)) << "nobody knows when it was";
+  homeAt(3000.0);
+  EXPECT_TRUE(isOutdated(2000.0));
+  EXPECT_FALSE(mayBeOutdated(3000.0));
 }
 
 }  // namespace

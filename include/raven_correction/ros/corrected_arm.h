@@ -109,6 +109,7 @@ class CorrectedArm {
     double trained_at = 0.0, homed_at = 0.0, expires_at = 0.0;
   };
 
+  void boundHomings(double now) noexcept;
   bool isEndpoint(const Pose& desired) const noexcept;
   const Lookahead* lookAhead(double stamp, const Pose& desired, Lookahead& ahead) noexcept;
   void forgetPath() noexcept;
