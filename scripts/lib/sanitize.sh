@@ -142,6 +142,8 @@ command_fuzz() {
     shift
   done
   ((${#targets[@]} > 0)) || mapfile -t targets < <(fuzz_targets)
+  ((seconds >= ${#targets[@]})) || # libFuzzer takes 0 s for no end
+    refuse "--seconds $seconds is less than a second for each of ${#targets[@]} targets: ${targets[*]}"
   prepare "$root/dependencies_sanitize.apt"
   sanitizer_build address
   for target in "${targets[@]}"; do build_targets "fuzz-$target" "raven_correction_fuzz_$target"; done

@@ -133,7 +133,8 @@ class Run(unittest.TestCase):
         for arguments, reason in ((("sanitize", "nonsense"), "usage"),
                                   (("sanitize", "address", "nope"), "there is no test 'nope'"),
                                   (("fuzz", "nope"), "TARGET one of: csv model"),
-                                  (("fuzz", "--seconds", "0"), "not a whole number")):
+                                  (("fuzz", "--seconds", "0"), "not a whole number"),
+                                  (("fuzz", "--seconds", "1"), "less than a second for each")):
             refused = self.run_it(*arguments)
             self.assertEqual((refused.returncode, reason in refused.stderr), (2, True), refused.stderr)
 
