@@ -23,6 +23,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/realtime.h"
 
 namespace {
 
@@ -203,10 +204,14 @@ int main(int argc, char** argv) {
   if (isRelay(argc, argv)) return relayMain(argv);
   CLI::App app{"Latency of the corrector beside a bare relay"};
   double seconds = 20.0, rate = 1000.0;
+  int priority = 10;
   std::string json;
   app.add_option("--seconds", seconds, "how long each of the three is measured [s]")
       ->check(CLI::Range(1.0, 1e5));
   app.add_option("--rate", rate, "poses per second [1/s]")->check(CLI::Range(1.0, 5e3));
+  app.add_option("--realtime-priority", priority,
+                 "of the node corrector; as robot.launch starts it unless given; 0: none")
+      ->check(CLI::Range(0, kHighestRealtimePriority));
   app.add_option("--json", json, "write the figures to this file");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -220,6 +225,7 @@ int main(int argc, char** argv) {
       nh.setParam("model", model);
       nh.setParam("enabled", true);
     }
+    ros::param::set("/node/corrector/realtime_priority", priority);
     const pid_t relay = startRelay(master, "relay");
     const pid_t node = master.startNode("corrector", "node");
     // The nodelet lives in this process, as with planner and controller in a nodelet manager.
@@ -229,6 +235,7 @@ int main(int argc, char** argv) {
     std::cerr << "measuring each of the three for " << seconds << " s\n";
     nlohmann::json result = measure(master, seconds, rate, relay, node);
     result["machine"] = machine;
+    result["realtime_priority"] = priority;
     print(result);
     if (!json.empty()) std::ofstream(json) << result.dump(2) << "\n";
   } catch (const std::exception& error) {

@@ -3,6 +3,7 @@
 
 #include "raven_correction/error.h"
 #include "raven_correction/ros/names.h"
+#include "raven_correction/ros/realtime.h"
 #include "raven_correction/ros/topics.h"
 
 namespace raven_correction {
@@ -36,6 +37,23 @@ bool setModes(const std::vector<CorrectedArm*>& arms, CorrectorMode mode, bool o
       "is off";
   return false;
 }
+
+/// The first thing that the thread of a queue does.
+class RealtimeBeginning : public ros::CallbackInterface {
+ public:
+  explicit RealtimeBeginning(int priority) : priority_(priority) {}
+  CallResult call() override {
+    const std::string refusal = takeRealtimePriority(priority_);
+    if (refusal.empty())
+      ROS_INFO("corrector: poses are handled with real-time priority %d", priority_);
+    else
+      ROS_WARN("corrector: %s", refusal.c_str());
+    return Success;
+  }
+
+ private:
+  const int priority_;
+};
 
 /// Bit for bit, in the parts that are asked for.
 bool isChanged(const ArmRequest& request, const Pose& command) noexcept {
@@ -98,6 +116,8 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   slow.setCallbackQueue(&master_queue_);
   topics_timer_ = slow.createWallTimer(ros::WallDuration(kTopicsPeriod),
                                        [this](const ros::WallTimerEvent&) { lookAtTopics(); });
+  if (params_.realtime_priority > 0)
+    live_queue_.addCallback(boost::make_shared<RealtimeBeginning>(params_.realtime_priority));
   live_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &live_queue_);
   live_spinner_->start();
   model_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &model_queue_);

@@ -11,6 +11,7 @@
 #include "raven_correction/ros/params.h"
 #include "raven_correction/ros/pose_command.h"
 #include "raven_correction/ros/pose_subscription.h"
+#include "raven_correction/ros/realtime.h"
 
 namespace raven_correction {
 namespace {
@@ -149,6 +150,7 @@ CorrectorParams loadCorrectorParams(const ros::NodeHandle& nh) {
   read.text("robot_state_topic", params.robot_state_topic);
   read.positive("robot_state_timeout", params.robot_state_timeout, 60.0);
   read.flag("watch_output", params.watch_output);
+  read.integer("realtime_priority", params.realtime_priority, 0, kHighestRealtimePriority);
   read.flag("lookahead", params.lookahead);
   readPreflight(read, params);
 

@@ -6,9 +6,12 @@
 #include <nodelet/loader.h>
 
 #include <boost/make_shared.hpp>
+#include <thread>
 
+#include "raven_correction/ros/realtime.h"
 #include "support/corrector_probe.h"
 #include "support/node_main.h"
+#include "support/scheduling.h"
 #include "support/simple_model.h"
 
 namespace raven_correction {
@@ -58,6 +61,24 @@ TEST(CorrectorNodelet, CorrectsAndHandsOnWithoutACopy) {
   EXPECT_EQ(received.front()->header.stamp, sent->header.stamp);
   EXPECT_GT((poseFromMsg(received.front()->pose).p - kInside.p).norm(), 0.005);
   EXPECT_TRUE(loader.unload("/arm/corrector"));
+}
+
+TEST(CorrectorNodelet, OneThreadOfItTakesTheRealtimePriority) {
+  bool allowed = false;
+  std::thread([&] { allowed = takeRealtimePriority(10).empty(); }).join();
+  const std::vector<int> expected(allowed ? 1 : 0, 10);
+  EXPECT_EQ(realtimePriorities(), std::vector<int>());
+  nodelet::Loader loader(/*provide_ros_api=*/false);
+  ASSERT_TRUE(loader.load("/realtime/corrector", "raven_correction/corrector", {}, {}));
+  CorrectorProbe<geometry_msgs::PoseStamped> probe("realtime");
+  EXPECT_TRUE(probe.until([&] { return realtimePriorities() == expected; }));
+  // With it or, where the system refuses, without.
+  EXPECT_TRUE(probe.sendUntil(kInside, [](const CorrectionStatus& status) {
+    return status.code == CorrectionStatus::PASSED_OFF;
+  }));
+  EXPECT_EQ(realtimePriorities(), expected);
+  EXPECT_TRUE(loader.unload("/realtime/corrector"));
+  EXPECT_EQ(realtimePriorities(), std::vector<int>());
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ TEST_F(CorrectorParamsTest, TheShippedFileHoldsTheDefaults) {
   EXPECT_EQ(shipped.limits.max_rotation_rate, defaults.limits.max_rotation_rate);
   EXPECT_EQ(shipped.limits.max_step_time, defaults.limits.max_step_time);
   EXPECT_EQ(shipped.limits.max_measured_age, defaults.limits.max_measured_age);
+  EXPECT_EQ(shipped.realtime_priority, defaults.realtime_priority);
   EXPECT_EQ(shipped.require_preflight, defaults.require_preflight);
   EXPECT_EQ(shipped.preflight_duration, defaults.preflight_duration);
   EXPECT_EQ(shipped.preflight_poses, defaults.preflight_poses);
