@@ -204,7 +204,7 @@ int main(int argc, char** argv) {
   if (isRelay(argc, argv)) return relayMain(argv);
   CLI::App app{"Latency of the corrector beside a bare relay"};
   double seconds = 20.0, rate = 1000.0;
-  int priority = 10;
+  int priority = kLaunchedPriority;
   std::string json;
   app.add_option("--seconds", seconds, "how long each of the three is measured [s]")
       ->check(CLI::Range(1.0, 1e5));

@@ -15,6 +15,9 @@
 namespace raven_correction {
 namespace bench {
 
+/// Real-time priority of a corrector that robot.launch starts.
+constexpr int kLaunchedPriority = 10;
+
 /// Asks every 10 ms. @throws std::runtime_error  after 30 s
 template <typename Condition>
 void waitUntil(Condition condition, const std::string& what) {
