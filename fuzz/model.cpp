@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fuzz target: the model of the correction, as a message and as a file, up to the first pose that a
 // corrector answers with it.
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+
 #include <random>
 
 #include "fuzz/fuzz_target.h"
@@ -42,6 +45,21 @@ Correction smallModel(bool physical) {
   return model;
 }
 
+/// A bag again, with its chunks compressed.
+Bytes packed(const std::string& path, rosbag::compression::CompressionType compression) {
+  const std::string copy = path + ".packed";
+  {
+    const rosbag::Bag bag(path);
+    rosbag::Bag to(copy, rosbag::bagmode::Write);
+    to.setCompression(compression);
+    for (const rosbag::MessageInstance& instance : rosbag::View(bag))
+      to.write(instance.getTopic(), instance.getTime(), instance);
+  }
+  const Bytes bytes = contentOf(copy);
+  std::filesystem::remove(copy);
+  return bytes;
+}
+
 /// Whatever was taken must answer, and never with a number that is none.
 void use(const Correction& model) {
   Corrector corrector(CorrectorLimits{});
@@ -68,6 +86,8 @@ std::vector<Bytes> goodInputs() {
             .string();
     writeModelFile(model, path, true);
     inputs.push_back(forReader(1, contentOf(path)));
+    for (const auto compression : {rosbag::compression::BZ2, rosbag::compression::LZ4})
+      inputs.push_back(forReader(1, packed(path, compression)));
     std::filesystem::remove(path);
   }
   return inputs;

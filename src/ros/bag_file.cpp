@@ -10,8 +10,8 @@ namespace raven_correction {
 
 namespace fs = std::filesystem;
 
-rosbag::Bag openBagFile(const std::string& file) {
-  checkBagStructure(file);
+rosbag::Bag openBagFile(const std::string& file, BagParts parts) {
+  checkBagStructure(file, parts);
   return rosbag::Bag(file, rosbag::bagmode::Read);
 }
 

@@ -2,7 +2,6 @@
 #include "bag_structure.h"
 
 #include <fcntl.h>
-#include <rosbag/chunked_file.h>
 #include <rosbag/constants.h>
 #include <rosbag/exceptions.h>
 #include <sys/mman.h>
@@ -11,14 +10,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
-#include <new>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "bag_chunk.h"
 #include "raven_correction/error.h"
 #include "raven_correction/ros/byte_reader.h"
 
@@ -129,33 +126,6 @@ struct Record {
   }
 };
 
-/// What a compressed chunk holds; zero where it holds less than it says.
-class UnpackedChunk {
- public:
-  /// @throws rosbag::BagException  it cannot be unpacked
-  std::string_view unpack(const Record& chunk) {
-    const std::string_view how = chunk.fields.text(rosbag::COMPRESSION_FIELD_NAME);
-    const bool bz2 = how == rosbag::COMPRESSION_BZ2;
-    if (!bz2 && how != rosbag::COMPRESSION_LZ4)
-      refuse(chunk.place, "a compression that is unknown");
-    const auto size = chunk.fields.number<std::uint32_t>(rosbag::SIZE_FIELD_NAME);
-    bytes_.reset(static_cast<std::uint8_t*>(std::calloc(std::max<std::size_t>(size, 1), 1)));
-    if (bytes_ == nullptr) throw std::bad_alloc();
-    std::vector<std::uint8_t> packed(chunk.data.begin(),
-                                     chunk.data.end());  // rosbag wants to write
-    file_.decompress(bz2 ? rosbag::compression::BZ2 : rosbag::compression::LZ4, bytes_.get(), size,
-                     packed.data(), static_cast<unsigned>(packed.size()));
-    return {reinterpret_cast<const char*>(bytes_.get()), size};
-  }
-
- private:
-  struct Free {
-    void operator()(std::uint8_t* bytes) const { std::free(bytes); }
-  };
-  rosbag::ChunkedFile file_;  ///< of nothing: for its way to unpack
-  std::unique_ptr<std::uint8_t, Free> bytes_;
-};
-
 /// Where there are records of one kind, in ascending order.
 using Places = std::vector<std::uint64_t>;
 
@@ -165,6 +135,8 @@ bool contains(const Places& places, std::uint64_t place) {
 
 class StructureCheck {
  public:
+  explicit StructureCheck(BagParts parts) : parts_(parts) {}
+
   void run(std::string_view bytes) {
     if (bytes.substr(0, kVersion.size()) != kVersion) refuse(0, "no bag of version 2.0");
     ByteReader reader(bytes.substr(kVersion.size()));
@@ -212,19 +184,22 @@ class StructureCheck {
   void checkChunk(const Record& chunk) {
     chunks_.push_back(chunk.place);
     messages_.clear();
-    if (chunk.fields.text(rosbag::COMPRESSION_FIELD_NAME) == rosbag::COMPRESSION_NONE) {
-      if (chunk.fields.number<std::uint32_t>(rosbag::SIZE_FIELD_NAME) != chunk.data.size())
-        refuse(chunk.place, "the chunk is not as long as it says");
+    const std::string_view compression = chunk.fields.text(rosbag::COMPRESSION_FIELD_NAME);
+    const auto size = chunk.fields.number<std::uint32_t>(rosbag::SIZE_FIELD_NAME);
+    if (parts_ == BagParts::kTopics) return;
+    if (compression == rosbag::COMPRESSION_NONE) {
+      if (size != chunk.data.size()) refuse(chunk.place, "the chunk is not as long as it says");
       return checkContent(chunk.data, chunk.data_place);
     }
     try {
-      checkContent(unpacked_.unpack(chunk), 0);
+      unpackChunk(compression, chunk.data, size, unpacked_);
+      checkContent({reinterpret_cast<const char*>(unpacked_.data()), unpacked_.size()}, 0);
     } catch (const rosbag::BagException& error) {
-      refuse(chunk.place, format("the chunk, unpacked: %s", error.what()));
+      refuse(chunk.place, format("of the packed chunk: %s", error.what()));
     }
   }
 
-  /// @param place  of the content in the file
+  /// @param place  of the content in the file, or in what was unpacked
   void checkContent(std::string_view content, std::size_t place) {
     ByteReader reader(content);
     while (!reader.atEnd()) {
@@ -250,7 +225,7 @@ class StructureCheck {
     for (std::uint64_t i = 0; i < count && reader.ok(); ++i) {
       reader.number<std::uint64_t>();  // time
       const auto offset = reader.number<std::uint32_t>();
-      if (reader.ok() && !contains(messages_, offset))
+      if (reader.ok() && parts_ == BagParts::kAll && !contains(messages_, offset))
         refuse(index.place, format("the index names a message at %u of its chunk, where none is",
                                    static_cast<unsigned>(offset)));
     }
@@ -266,16 +241,17 @@ class StructureCheck {
 
   Places chunks_, summarised_;
   Places messages_;  ///< of the last chunk, within it
-  UnpackedChunk unpacked_;
+  const BagParts parts_;
+  std::vector<std::uint8_t> unpacked_;
   Record inner_;   ///< within a chunk; a member for its memory
   Fields header_;  ///< of a connection
 };
 
 }  // namespace
 
-void checkBagStructure(const std::string& file) {
+void checkBagStructure(const std::string& file, BagParts parts) {
   const MappedFile mapped(file);
-  StructureCheck().run(mapped.bytes());
+  StructureCheck(parts).run(mapped.bytes());
 }
 
 }  // namespace raven_correction

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "raven_correction/ros/bag_file.h"
+
 namespace raven_correction {
 
 /// Walks through a bag of version 2.0 (http://wiki.ros.org/Bags/Format/2.0), also within its
@@ -12,7 +14,8 @@ namespace raven_correction {
 /// no field comes twice, the index and the summary name places where there is such a record, and
 /// connections have the fields that are asked for. Messages themselves are not looked into. A bag
 /// without an index passes: rosbag says so.
+/// @param parts  of the bag that are going to be read
 /// @throws rosbag::BagException  with the byte of the file and what is wrong there
-void checkBagStructure(const std::string& file);
+void checkBagStructure(const std::string& file, BagParts parts);
 
 }  // namespace raven_correction

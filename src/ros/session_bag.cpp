@@ -341,7 +341,7 @@ Session readSessionBag(const std::string& file) { return readSessionParts({file}
 
 bool holdsSession(const std::string& file) {
   try {
-    const rosbag::Bag bag = openBagFile(file);
+    const rosbag::Bag bag = openBagFile(file, BagParts::kTopics);
     for (const rosbag::ConnectionInfo* connection : rosbag::View(bag).getConnections())
       if (withoutSlash(connection->topic) == topics::kMocap) return true;
   } catch (const ros::Exception&) {

@@ -19,6 +19,11 @@ namespace {
 
 constexpr std::size_t kMessages = 4;
 
+std::string contentOf(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
 /// Two chunks of messages of two connections.
 std::string makeBag(const std::string& file, rosbag::compression::CompressionType compression) {
   rosbag::Bag bag(file, rosbag::bagmode::Write);
@@ -30,8 +35,20 @@ std::string makeBag(const std::string& file, rosbag::compression::CompressionTyp
     bag.write(i % 3 == 0 ? "a" : "b", ros::Time(100.0 + static_cast<double>(i)), message);
   }
   bag.close();
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  return contentOf(file);
+}
+
+/// With a publisher whose header does not say its type.
+std::string makeNamelessBag(const std::string& file,
+                            rosbag::compression::CompressionType compression) {
+  rosbag::Bag bag(file, rosbag::bagmode::Write);
+  bag.setCompression(compression);
+  const auto header = boost::make_shared<ros::M_string>();
+  (*header)["md5sum"] = "992ce8a1687cec8c8bd883ec73ca41d1";
+  (*header)["message_definition"] = "string data";
+  bag.write("a", ros::Time(100.0), std_msgs::String(), header);
+  bag.close();
+  return contentOf(file);
 }
 
 /// How many messages are read from these bytes.
@@ -125,14 +142,21 @@ TEST_F(BagFile, DamageWithinACompressedChunkIsFoundThere) {
     const std::size_t size = packed.find("size=", packed.find("compression=")) + 5;
     std::uint32_t unpacked = 0;
     std::memcpy(&unpacked, &packed.at(size), sizeof unpacked);
-    // Of what is there less is unpacked, or nothing is where more should be.
-    for (const std::uint32_t wrong : {unpacked - 1, unpacked + 100, 0u})
-      expectComplaint(with(packed, size, wrong), "the chunk, unpacked: ");
+    for (const std::uint32_t wrong : {unpacked - 1, unpacked + 4, unpacked + 100, 0u, 0xffffffffu})
+      expectComplaint(with(packed, size, wrong), "of the packed chunk: ");
     const std::size_t index = packed.find("ver=", size);
     const std::size_t time = packed.find(std::string("\x64\0\0\0\0\0\0\0", 8), index);
     ASSERT_NE(time, std::string::npos);
     expectComplaint(with(packed, time + 8, 3), "names a message at 3 of its chunk");
     expectComplaint(with(packed, time + 8, unpacked - 4), "names a message at ");
+    const std::string nameless = complaint(makeNamelessBag(file_, compression), file_);
+    EXPECT_NE(nameless.find("of the packed chunk: byte "), std::string::npos) << nameless;
+    EXPECT_NE(nameless.find("the field type is missing"), std::string::npos) << nameless;
+    // Its topics are known without unpacking.
+    std::string flipped = packed;
+    flipped[size + 8] ^= 1;  // what is packed begins behind its length
+    expectComplaint(flipped, "of the packed chunk: ");
+    EXPECT_EQ(rosbag::View(openBagFile(file_, BagParts::kTopics)).getConnections().size(), 2u);
   }
 }
 

@@ -10,9 +10,15 @@
 
 namespace raven_correction {
 
+/// What is going to be read of a bag.
+enum class BagParts {
+  kTopics,  ///< connections only: nothing is unpacked
+  kAll
+};
+
 /// A bag to read, of which no damage makes rosbag read beyond its memory (bag_structure.h).
 /// @throws rosbag::BagException  it cannot be read, or is damaged, and where
-rosbag::Bag openBagFile(const std::string& file);
+rosbag::Bag openBagFile(const std::string& file, BagParts parts = BagParts::kAll);
 
 /// Writes FILE.part and renames it when it is complete; folders are created as needed.
 /// @param write  fills the open bag; what it throws becomes the reason of the refusal
