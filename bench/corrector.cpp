@@ -14,6 +14,7 @@
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "bench/support/durations.h"
@@ -159,6 +160,9 @@ void print(const nlohmann::json& result) {
   std::printf("share of one processor: relay %.3f, node %.3f\n",
               result["relay"]["cpu_share"].get<double>(),
               result["node"]["cpu_share"].get<double>());
+  std::printf("real-time priority: relay %d, node %d\n",
+              result["relay"]["realtime_priority"].get<int>(),
+              result["node"]["realtime_priority"].get<int>());
   std::printf("a loop that does nothing is interrupted %lu times a second:\n",
               result["machine"]["per_second"].get<unsigned long>());
   row("interruption", result["machine"]);
@@ -187,7 +191,9 @@ nlohmann::json measure(OwnMaster& master, double seconds, double rate, pid_t rel
   nlohmann::json result;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     result[paths[k].name()] = paths[k].result();
-    if (processes[k] > 0) result[paths[k].name()]["cpu_share"] = processor[k] / (turns * kTurn);
+    if (processes[k] == 0) continue;
+    result[paths[k].name()]["cpu_share"] = processor[k] / (turns * kTurn);
+    result[paths[k].name()]["realtime_priority"] = realtimePriority(processes[k]);
   }
   result["callback"] = paths[1].callback();
   for (const char* const key : {"p50_us", "p99_us"})
@@ -201,16 +207,16 @@ nlohmann::json measure(OwnMaster& master, double seconds, double rate, pid_t rel
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (isRelay(argc, argv)) return relayMain(argv);
+  if (isRelay(argc, argv)) return relayMain(argc, argv);
   CLI::App app{"Latency of the corrector beside a bare relay"};
   double seconds = 20.0, rate = 1000.0;
-  int priority = kLaunchedPriority;
+  std::optional<int> priority;
   std::string json;
   app.add_option("--seconds", seconds, "how long each of the three is measured [s]")
       ->check(CLI::Range(1.0, 1e5));
   app.add_option("--rate", rate, "poses per second [1/s]")->check(CLI::Range(1.0, 5e3));
   app.add_option("--realtime-priority", priority,
-                 "of the node corrector; as robot.launch starts it unless given; 0: none")
+                 "of relay and node; that of robot.launch unless given; 0: none")
       ->check(CLI::Range(0, kHighestRealtimePriority));
   app.add_option("--json", json, "write the figures to this file");
   CLI11_PARSE(app, argc, argv);
@@ -225,8 +231,9 @@ int main(int argc, char** argv) {
       nh.setParam("model", model);
       nh.setParam("enabled", true);
     }
-    ros::param::set("/node/corrector/realtime_priority", priority);
-    const pid_t relay = startRelay(master, "relay");
+    if (!priority) priority = launchedPriority();
+    ros::param::set("/node/corrector/realtime_priority", *priority);
+    const pid_t relay = startRelay(master, "relay", *priority);
     const pid_t node = master.startNode("corrector", "node");
     // The nodelet lives in this process, as with planner and controller in a nodelet manager.
     nodelet::Loader loader(/*provide_ros_api=*/false);
@@ -235,7 +242,6 @@ int main(int argc, char** argv) {
     std::cerr << "measuring each of the three for " << seconds << " s\n";
     nlohmann::json result = measure(master, seconds, rate, relay, node);
     result["machine"] = machine;
-    result["realtime_priority"] = priority;
     print(result);
     if (!json.empty()) std::ofstream(json) << result.dump(2) << "\n";
   } catch (const std::exception& error) {

@@ -53,6 +53,22 @@ std::size_t missing(const Stamps& all, const Stamps& part) {
   return rest.size();
 }
 
+/// Of poses that did not come on one way and came on the other: how many, and in how many stalls
+/// (successive ones are one). @param sent  in the order in which they were
+nlohmann::json missedAlone(const Stamps& sent, const Stamps& one, const Stamps& other) {
+  const Stamps here = ordered(one), there = ordered(other);
+  std::size_t poses = 0, stalls = 0;
+  bool stalled = false;
+  for (const std::uint64_t stamp : sent) {
+    const bool alone = !std::binary_search(here.begin(), here.end(), stamp) &&
+                       std::binary_search(there.begin(), there.end(), stamp);
+    poses += alone;
+    stalls += alone && !stalled;
+    stalled = alone;
+  }
+  return {{"poses", poses}, {"stalls", stalls}};
+}
+
 /// Those from `first` on.
 Stamps since(std::uint64_t first, const Stamps& stamps) {
   Stamps counted;
@@ -119,6 +135,9 @@ class Source {
   void run(const std::atomic<bool>& stop) {
     const auto begin = std::chrono::steady_clock::now();
     for (long i = 0; !stop; ++i) {
+      // What was slept through is left out: no burst follows.
+      const std::chrono::duration<double> late = std::chrono::steady_clock::now() - begin;
+      i = std::max(i, static_cast<long>(late.count() * rate_));
       const double t = static_cast<double>(i) / rate_;
       std::this_thread::sleep_until(begin + std::chrono::duration<double>(t));
       const auto message = boost::make_shared<PoseStamped>();
@@ -214,8 +233,8 @@ nlohmann::json soak(OwnMaster& master, double seconds, const std::string& bag) {
   nlohmann::json result;
   result["relay"] = passage(planned, by_relay);
   result["corrector"] = passage(planned, commanded);
-  result["corrector"]["missed_alone"] = missing(ordered(by_relay), ordered(commanded));
-  result["relay"]["missed_alone"] = missing(ordered(commanded), ordered(by_relay));
+  result["corrector"]["alone"] = missedAlone(planned, commanded, by_relay);
+  result["relay"]["alone"] = missedAlone(planned, by_relay, commanded);
   result["corrector"]["statuses"] = since(first, statuses.stop()).size();
   const auto recorded = stampsInBag(bag);
   const auto inBag = [&](const char* topic, const Stamps& published) {
@@ -238,10 +257,10 @@ std::string verdict(const nlohmann::json& result) {
   for (const char* const name : {"relay", "corrector"})
     if (result[name]["reordered"] > 0) text += std::string(name) + " changed the order\n";
   // Both have a queue of one: a machine that is busy for a millisecond takes poses from both, or
-  // from either, by chance. More than chance has a cause. Of poses that only one of them lost each
-  // is as likely to lose one (McNemar's test, doi:10.1007/BF02295996).
-  const auto relay = result["relay"]["missed_alone"].get<double>();
-  const auto corrector = result["corrector"]["missed_alone"].get<double>();
+  // from either, by chance. More than chance has a cause. A stall that only one of them feels is as
+  // likely to be the one's as the other's (McNemar's test, doi:10.1007/BF02295996).
+  const auto relay = result["relay"]["alone"]["stalls"].get<double>();
+  const auto corrector = result["corrector"]["alone"]["stalls"].get<double>();
   if (corrector > relay + 3.0 * std::sqrt(relay + corrector))
     text += "the corrector lost more poses than the relay, and not by chance\n";
   return text;
@@ -258,15 +277,16 @@ void print(const nlohmann::json& result) {
   row("planner -> relay", result["relay"]);
   row("planner -> corrector", result["corrector"]);
   for (const auto& [topic, stream] : result["bag"].items()) row("recorded " + topic, stream);
-  std::printf("of the missed poses the other handed on: relay %lu, corrector %lu\n",
-              result["relay"]["missed_alone"].get<unsigned long>(),
-              result["corrector"]["missed_alone"].get<unsigned long>());
+  for (const char* const name : {"relay", "corrector"})
+    std::printf("missed by the %s alone: %lu, in %lu stalls\n", name,
+                result[name]["alone"]["poses"].get<unsigned long>(),
+                result[name]["alone"]["stalls"].get<unsigned long>());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (isRelay(argc, argv)) return relayMain(argv);
+  if (isRelay(argc, argv)) return relayMain(argc, argv);
   CLI::App app{"Counts messages through corrector and recorder for a long time"};
   double minutes = 30.0;
   std::string json;
@@ -280,14 +300,16 @@ int main(int argc, char** argv) {
     const ros::NodeHandle nh(std::string("/") + kArm);
     nh.setParam("corrector/model", model);
     nh.setParam("corrector/enabled", true);
-    nh.setParam("corrector/realtime_priority", kLaunchedPriority);
+    const int priority = launchedPriority();
+    nh.setParam("corrector/realtime_priority", priority);
     nh.setParam("recorder/directory", master.folder().string());
-    startRelay(master, "relay");
-    master.startNode("corrector", kArm);
+    const pid_t relay = startRelay(master, "relay", priority);
+    const pid_t corrector = master.startNode("corrector", kArm);
     master.startNode("recorder", kArm);
     std::cerr << "soak: " << minutes << " min in real time, bag in " << master.folder() << "\n";
-    const nlohmann::json result =
-        soak(master, 60.0 * minutes, (master.folder() / "soak.bag").string());
+    nlohmann::json result = soak(master, 60.0 * minutes, (master.folder() / "soak.bag").string());
+    result["relay"]["realtime_priority"] = realtimePriority(relay);
+    result["corrector"]["realtime_priority"] = realtimePriority(corrector);
     print(result);
     if (!json.empty()) std::ofstream(json) << result.dump(2) << "\n";
     const std::string faults = verdict(result);

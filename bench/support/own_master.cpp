@@ -4,12 +4,14 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -98,6 +100,19 @@ void OwnMaster::checkAlive() {
     children_.erase(child);
     throw std::runtime_error(name + " has ended: " + lastLines(folder_ / (name + ".log")));
   }
+}
+
+int realtimePriority(pid_t process) {
+  int highest = 0;
+  std::error_code gone;
+  for (const auto& task :
+       std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", gone)) {
+    const pid_t thread = std::stoi(task.path().filename().string());
+    sched_param parameters{};  // zero priority wherever the policy is not real-time
+    if (sched_getparam(thread, &parameters) == 0)
+      highest = std::max(highest, parameters.sched_priority);
+  }
+  return highest;
 }
 
 double processorTime(pid_t process) {

@@ -15,9 +15,6 @@
 namespace raven_correction {
 namespace bench {
 
-/// Real-time priority of a corrector that robot.launch starts.
-constexpr int kLaunchedPriority = 10;
-
 /// Asks every 10 ms. @throws std::runtime_error  after 30 s
 template <typename Condition>
 void waitUntil(Condition condition, const std::string& what) {
@@ -52,6 +49,9 @@ class OwnMaster {
   std::map<std::string, pid_t> children_;
   bool keep_ = false;
 };
+
+/// The highest real-time priority of the threads of a process; 0: none has one.
+int realtimePriority(pid_t process);
 
 /// Processor time of a process since its start [s].
 double processorTime(pid_t process);

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "bench/support/own_master.h"
+#include "raven_correction/ros/realtime.h"
 
 namespace raven_correction {
 namespace bench {
@@ -23,7 +24,7 @@ inline bool isRelay(int argc, char** argv) {
 }
 
 /// @return exit code
-inline int relayMain(char** argv) {
+inline int relayMain(int argc, char** argv) {
   int no_arguments = 0;
   ros::init(no_arguments, nullptr, "relay");
   ros::NodeHandle nh(std::string("/") + argv[2]);
@@ -32,13 +33,19 @@ inline int relayMain(char** argv) {
       "desired/servo_cp", 1,
       [&](const geometry_msgs::PoseStamped::ConstPtr& message) { publisher.publish(message); },
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  // As the node corrector does it, so that the two differ by the correction alone.
+  if (const int priority = argc > 3 ? std::atoi(argv[3]) : 0) {
+    takeRealtimePriority(priority);
+    giveSocketsRealtimePriority(priority);
+  }
   ros::spin();
   return 0;
 }
 
-inline pid_t startRelay(OwnMaster& master, const std::string& ns) {
-  return master.start("relay",
-                      {std::filesystem::read_symlink("/proc/self/exe").string(), kRelayOption, ns});
+/// @param priority  real-time; 0: none
+inline pid_t startRelay(OwnMaster& master, const std::string& ns, int priority) {
+  return master.start("relay", {std::filesystem::read_symlink("/proc/self/exe").string(),
+                                kRelayOption, ns, std::to_string(priority)});
 }
 
 }  // namespace bench

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A correction that costs a corrector what the shipped one does: features, points and outputs as
-// config/trainer.yaml makes them. What it has learnt is made up.
+// A corrector as it is shipped. Its correction costs what that of config/trainer.yaml does:
+// features, points and outputs; what it has learnt is made up. Its priority is that of
+// robot.launch.
 #pragma once
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <regex>
+#include <stdexcept>
 #include <string>
 
 #include "raven_correction/correction/model.h"
@@ -14,10 +19,24 @@
 namespace raven_correction {
 namespace bench {
 
-inline Correction modelOfShippedSize() {
+/// A file of the package.
+inline std::string shippedFile(const std::string& name) {
   const char* const root = std::getenv("RAVEN_ROOT");  // ./run sets it
-  TrainingConfig config =
-      loadTrainingConfig(std::string(root == nullptr ? "." : root) + "/config/trainer.yaml");
+  return std::string(root == nullptr ? "." : root) + "/" + name;
+}
+
+/// Real-time priority of the corrector that robot.launch starts.
+inline int launchedPriority() {
+  std::ifstream file(shippedFile("launch/robot.launch"));
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  std::smatch found;
+  if (!std::regex_search(text, found, std::regex("\"realtime_priority\" default=\"([0-9]+)\"")))
+    throw std::runtime_error(shippedFile("launch/robot.launch") + " sets no realtime_priority");
+  return std::stoi(found[1]);
+}
+
+inline Correction modelOfShippedSize() {
+  TrainingConfig config = loadTrainingConfig(shippedFile("config/trainer.yaml"));
   Correction model;
   model.id = "bench";
   model.frame = "0_link";

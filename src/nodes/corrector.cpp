@@ -3,12 +3,17 @@
 #include <ros/ros.h>
 
 #include "raven_correction/ros/corrector_node.h"
+#include "raven_correction/ros/realtime.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "corrector");
   const ros::NodeHandle nh, private_nh("~");  // without one, roscpp says nothing any more
   try {
     raven_correction::CorrectorNode node(nh, private_nh);
+    // This process is there for nothing else: also what reads and writes the poses goes first. That
+    // the system refuses it the node has said.
+    if (node.realtimePriority() > 0)
+      raven_correction::giveSocketsRealtimePriority(node.realtimePriority());
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());

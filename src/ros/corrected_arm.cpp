@@ -164,9 +164,8 @@ void CorrectedArm::report(const CommandRequest& message, double now, const ArmRe
   observer_.note(sample);
 }
 
-void CorrectedArm::restart(double now) noexcept {
+void CorrectedArm::restart() noexcept {
   corrector_.restart();
-  boundHomings(now);
   known_ = {};
   path_.begin();  // its ends are known still
   followed_ = false;

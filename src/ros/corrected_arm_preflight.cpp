@@ -44,11 +44,9 @@ void CorrectedArm::noteHoming(HomingWatch::Homing homing) noexcept {
   if (homing_ != HomingWatch::Homing::kSeen || preflight_state_ != PreflightState::kNeeded)
     homing_.store(homing);
   HomingTimes& times = homing == HomingWatch::Homing::kSeen ? seen_homing_ : possible_homing_;
-  // While a simulated clock has not begun, it is after everything that was recorded; once it has,
-  // nothing that was noted is later than now.
+  // While a simulated clock has not begun, it is after everything that was recorded.
   const ros::Time now = ros::Time::now();
   times.at.store(now.isZero() ? std::numeric_limits<double>::infinity() : now.toSec());
-  if (!now.isZero()) boundHomings(now.toSec());
   times.unix_time.store(ros::WallTime::now().toSec());
   gate_.noteHoming();
   if (!gate_.required()) return;
@@ -58,7 +56,7 @@ void CorrectedArm::noteHoming(HomingWatch::Homing homing) noexcept {
 
 void CorrectedArm::boundHomings(double now) noexcept {
   for (HomingTimes* const times : {&seen_homing_, &possible_homing_})
-    times->at = std::min(times->at.load(), now);
+    if (times->at > now) times->at.store(now);
 }
 
 std::string CorrectedArm::refusal(CorrectorMode mode, bool override_preflight) const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "raven_correction/ros/corrector_node.h"
 
+#include <pthread.h>
+
 #include "raven_correction/error.h"
 #include "raven_correction/ros/names.h"
 #include "raven_correction/ros/realtime.h"
@@ -38,11 +40,13 @@ bool setModes(const std::vector<CorrectedArm*>& arms, CorrectorMode mode, bool o
   return false;
 }
 
-/// The first thing that the thread of a queue does.
-class RealtimeBeginning : public ros::CallbackInterface {
+/// What the live thread begins with.
+class LiveThreadBeginning : public ros::CallbackInterface {
  public:
-  explicit RealtimeBeginning(int priority) : priority_(priority) {}
+  explicit LiveThreadBeginning(int priority) : priority_(priority) {}
   CallResult call() override {
+    pthread_setname_np(pthread_self(), "corrector_live");  // as top and chrt show it
+    if (priority_ == 0) return Success;
     const std::string refusal = takeRealtimePriority(priority_);
     if (refusal.empty())
       ROS_INFO("corrector: poses are handled with real-time priority %d", priority_);
@@ -52,7 +56,7 @@ class RealtimeBeginning : public ros::CallbackInterface {
   }
 
  private:
-  const int priority_;
+  const int priority_;  ///< 0: that of all others
 };
 
 /// Bit for bit, in the parts that are asked for.
@@ -77,6 +81,7 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   }
   robot_ready_ = params_.robot_state_topic.empty();
   updateHold();
+  live_queue_.addCallback(boost::make_shared<LiveThreadBeginning>(params_.realtime_priority));
 
   if (params_.pose_type == "PoseStamped")
     subscribeDesired<geometry_msgs::PoseStamped>();
@@ -116,8 +121,6 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   slow.setCallbackQueue(&master_queue_);
   topics_timer_ = slow.createWallTimer(ros::WallDuration(kTopicsPeriod),
                                        [this](const ros::WallTimerEvent&) { lookAtTopics(); });
-  if (params_.realtime_priority > 0)
-    live_queue_.addCallback(boost::make_shared<RealtimeBeginning>(params_.realtime_priority));
   live_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &live_queue_);
   live_spinner_->start();
   model_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &model_queue_);
@@ -161,8 +164,10 @@ void CorrectorNode::subscribeDesired() {
 void CorrectorNode::watchClock(const ros::Time& now) {
   if (now + ros::Duration(kClockTolerance) < last_now_) {
     ROS_WARN("corrector: the clock went back by %.3f s; starting over", (last_now_ - now).toSec());
-    for (const auto& arm : arms_) arm->restart(now.toSec());
+    for (const auto& arm : arms_) arm->restart();
   }
+  if (!now.isZero())
+    for (const auto& arm : arms_) arm->boundHomings(now.toSec());
   last_now_ = now;
 }
 

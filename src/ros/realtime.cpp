@@ -2,14 +2,24 @@
 #include "raven_correction/ros/realtime.h"
 
 #include <pthread.h>
+#include <ros/poll_manager.h>
 #include <sched.h>
 
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <future>
+#include <memory>
 
 #include "raven_correction/error.h"
 
 namespace raven_correction {
+namespace {
+
+constexpr std::chrono::seconds kPatience{2};  ///< of a loop that turns ten times a second
+
+}  // namespace
 
 std::string takeRealtimePriority(int priority) {
   sched_param parameters{};
@@ -17,13 +27,26 @@ std::string takeRealtimePriority(int priority) {
   const int error =
       pthread_setschedparam(pthread_self(), SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters);
   if (error == 0) return "";
-  const std::string remedy =
-      error == EPERM ? format(
-                           "; \"USER - rtprio %d\" in /etc/security/limits.conf and a new login "
-                           "allow it, in a container the capability SYS_NICE",
-                           priority)
-                     : "";
-  return format("no real-time priority %d: %s%s", priority, std::strerror(error), remedy.c_str());
+  return format("no real-time priority %d: %s%s", priority, std::strerror(error),
+                error == EPERM
+                    ? "; the limit rtprio of the user, or the capability SYS_NICE of the "
+                      "container, allows it (README, Troubleshooting)"
+                    : "");
+}
+
+std::string giveSocketsRealtimePriority(int priority) {
+  // The thread calls its listeners at every turn of its loop.
+  const auto answer = std::make_shared<std::promise<std::string>>();
+  const auto asked = std::make_shared<std::atomic<bool>>(false);
+  const ros::PollManagerPtr& sockets = ros::PollManager::instance();
+  std::future<std::string> refusal = answer->get_future();
+  const boost::signals2::connection listener =
+      sockets->addPollThreadListener([priority, answer, asked] {
+        if (!asked->exchange(true)) answer->set_value(takeRealtimePriority(priority));
+      });
+  const bool answered = refusal.wait_for(kPatience) == std::future_status::ready;
+  sockets->removePollThreadListener(listener);
+  return answered ? refusal.get() : "the sockets have no thread: ros::start() has not been called";
 }
 
 }  // namespace raven_correction

@@ -105,13 +105,17 @@ class HomingClock : public CorrectorClock {
       EXPECT_TRUE(probe_.until([&] { return held() != homed; }));
     }
   }
-  /// Before a simulated clock has begun its state is silent for long enough to hide a homing.
+  /// Before a simulated clock has begun its state is silent for long enough to hide a homing, of
+  /// which the corrector says that nobody knows when it was.
   void beSilentBeforeTheClock() {
-    clock_.publish(rosgraph_msgs::Clock());
-    EXPECT_TRUE(probe_.until([] { return ros::Time::now().isZero(); }));
     state_.publish(operatingState("ENABLED", true));
-    ros::WallDuration(1.2 * HomingWatch::kSilence).sleep();
-    state_.publish(operatingState("ENABLED", true));
+    EXPECT_TRUE(probe_.until([this] {
+      clock_.publish(rosgraph_msgs::Clock());
+      if (!ros::Time::now().isZero()) return false;
+      ros::WallDuration(1.2 * HomingWatch::kSilence).sleep();
+      state_.publish(operatingState("ENABLED", true));
+      return mayBeOutdated(1e9);
+    }));
   }
   /// What is said of a model whose recording knows of a homing at this time.
   std::string said(double homed_at) {
@@ -153,7 +157,9 @@ TEST_F(HomingClock, AHomingAndARecordingAreComparedByTheirOwnClock) {
 
 TEST_F(HomingClock, WhatWasBeforeTheClockBeganIsNotAfterAHoming) {
   beSilentBeforeTheClock();
-  EXPECT_TRUE(mayBeOutdated(1e9)) << "nobody knows when it was";
+  sendAt(2500.0);
+  EXPECT_TRUE(mayBeOutdated(2000.0));
+  EXPECT_FALSE(mayBeOutdated(3000.0)) << "it was before the clock, and that is at 2500 s";
   homeAt(3000.0);
   EXPECT_TRUE(isOutdated(2000.0));
   EXPECT_FALSE(mayBeOutdated(3000.0));

@@ -13,6 +13,7 @@
 #include "support/node_main.h"
 #include "support/scheduling.h"
 #include "support/simple_model.h"
+#include "support/wait_for.h"
 
 namespace raven_correction {
 namespace {
@@ -63,22 +64,41 @@ TEST(CorrectorNodelet, CorrectsAndHandsOnWithoutACopy) {
   EXPECT_TRUE(loader.unload("/arm/corrector"));
 }
 
-TEST(CorrectorNodelet, OneThreadOfItTakesTheRealtimePriority) {
-  bool allowed = false;
-  std::thread([&] { allowed = takeRealtimePriority(10).empty(); }).join();
-  const std::vector<int> expected(allowed ? 1 : 0, 10);
-  EXPECT_EQ(realtimePriorities(), std::vector<int>());
+/// Under SCHED_FIFO there are these threads, soon.
+bool become(const RealtimeThreads& expected) {
+  return waitFor([&] { return realtimeThreads() == expected; }, 20.0);
+}
+
+class RealtimeThreadsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string refusal;
+    std::thread([&] { refusal = takeRealtimePriority(10); }).join();
+    if (!refusal.empty()) GTEST_SKIP() << refusal;
+    ASSERT_TRUE(become({}));
+  }
+};
+
+TEST_F(RealtimeThreadsTest, TheNodeletTakesItForItsLiveThreadAlone) {
   nodelet::Loader loader(/*provide_ros_api=*/false);
   ASSERT_TRUE(loader.load("/realtime/corrector", "raven_correction/corrector", {}, {}));
+  const RealtimeThreads live{{"corrector_live", 10}};
+  EXPECT_TRUE(become(live));
   CorrectorProbe<geometry_msgs::PoseStamped> probe("realtime");
-  EXPECT_TRUE(probe.until([&] { return realtimePriorities() == expected; }));
-  // With it or, where the system refuses, without.
   EXPECT_TRUE(probe.sendUntil(kInside, [](const CorrectionStatus& status) {
     return status.code == CorrectionStatus::PASSED_OFF;
   }));
-  EXPECT_EQ(realtimePriorities(), expected);
+  EXPECT_EQ(realtimeThreads(), live);
   EXPECT_TRUE(loader.unload("/realtime/corrector"));
-  EXPECT_EQ(realtimePriorities(), std::vector<int>());
+  EXPECT_TRUE(become({}));
+}
+
+// The last one: the thread keeps it for as long as this process runs.
+TEST_F(RealtimeThreadsTest, SocketsTakeIt) {
+  EXPECT_EQ(giveSocketsRealtimePriority(11), "");
+  const RealtimeThreads threads = realtimeThreads();
+  ASSERT_EQ(threads.size(), 1u);
+  EXPECT_EQ(threads[0].second, 11);
 }
 
 }  // namespace

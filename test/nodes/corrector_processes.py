@@ -4,7 +4,9 @@
 and started again, and model files that no corrector may start with. It has a master of its own."""
 
 import os
+import pathlib
 import subprocess
+import sys
 import threading
 import time
 import xmlrpc.client
@@ -175,6 +177,20 @@ class CorrectorProcesses(ProcessTest):
         self.assertTrue(planner.answered(first))
         self.assertLess(planner.largest_step(), 0.015 + 1e-9)
         self.assertIsNone(corrector.poll())
+
+    def test_realtime_priority(self):
+        ask = "import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))"
+        if subprocess.run([sys.executable, "-c", ask], check=False, capture_output=True).returncode != 0:
+            self.skipTest("the system allows no real-time priority here")
+        corrector = self.start("corrector", realtime_priority=10)
+
+        def realtime():
+            tasks = pathlib.Path(f"/proc/{corrector.pid}/task")
+            return sorted((task / "comm").read_text().strip() for task in tasks.iterdir()
+                          if os.sched_getscheduler(int(task.name)) & ~os.SCHED_RESET_ON_FORK == os.SCHED_FIFO)
+
+        # What handles poses, and roscpp's thread of the sockets: nothing else.
+        self.assertTrue(until(lambda: realtime() == ["corrector", "corrector_live"]), realtime())
 
     def expect_no_start(self, path, *reasons):
         corrector = self.start("corrector", model=str(path))

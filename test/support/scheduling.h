@@ -5,22 +5,29 @@
 #include <sched.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace raven_correction {
 
-/// Priorities of those under SCHED_FIFO.
-inline std::vector<int> realtimePriorities() {
-  std::vector<int> priorities;
+using RealtimeThreads = std::vector<std::pair<std::string, int>>;
+
+/// Names and priorities of those under SCHED_FIFO. One that has been joined may be there for a
+/// moment.
+inline RealtimeThreads realtimeThreads() {
+  RealtimeThreads threads;
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
     const pid_t thread = std::stoi(task.path().filename().string());
+    std::string name;
+    std::getline(std::ifstream(task.path() / "comm"), name);
     sched_param parameters{};
     if ((sched_getscheduler(thread) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO &&
         sched_getparam(thread, &parameters) == 0)
-      priorities.push_back(parameters.sched_priority);
+      threads.emplace_back(name, parameters.sched_priority);
   }
-  return priorities;
+  return threads;
 }
 
 }  // namespace raven_correction

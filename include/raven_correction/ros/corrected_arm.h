@@ -68,8 +68,10 @@ class CorrectedArm {
   void report(const CommandRequest& message, double now, const ArmRequest& request,
               const CorrectorOutput& output, double compute_time);
   /// Forgets the stream: the clock went back.
-  /// @param now  [s]
-  void restart(double now) noexcept;
+  void restart() noexcept;
+  /// What was noted was not later than now, however the clock jumped since, or before it began.
+  /// @param now  the ROS clock, which has begun [s]
+  void boundHomings(double now) noexcept;
 
   // --- of any thread
   const std::string& ns() const noexcept { return arm_.ns; }
@@ -109,7 +111,6 @@ class CorrectedArm {
     double trained_at = 0.0, homed_at = 0.0, expires_at = 0.0;
   };
 
-  void boundHomings(double now) noexcept;
   bool isEndpoint(const Pose& desired) const noexcept;
   const Lookahead* lookAhead(double stamp, const Pose& desired, Lookahead& ahead) noexcept;
   void forgetPath() noexcept;

@@ -31,6 +31,9 @@ class CorrectorNode {
   CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
   ~CorrectorNode();
 
+  /// That ~realtime_priority asks for; 0: none. The live thread has it where the system allows it.
+  int realtimePriority() const noexcept { return params_.realtime_priority; }
+
   /// The callback of the command topic, of the live thread. After the first message nothing of ours
   /// in it allocates, locks, or throws.
   template <typename Message>

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A thread that goes before all others of the machine.
+// Real-time priority of threads (SCHED_FIFO, sched(7)): what is not under it waits while one of
+// them has something to do, on the processor where it runs.
 #pragma once
 
 #include <string>
 
 namespace raven_correction {
 
-constexpr int kLowestRealtimePriority = 1, kHighestRealtimePriority = 99;
+/// Above that are the handlers of interrupts, without which nothing is received.
+constexpr int kHighestRealtimePriority = 49;
 
-/// Puts the calling thread under SCHED_FIFO (sched(7)): whatever is not under it waits while this
-/// thread has something to do. Threads that it starts do not inherit that.
-/// @param priority  kLowestRealtimePriority to kHighestRealtimePriority
+/// Of the calling thread. Threads that it starts do not inherit it.
+/// @param priority  1 to kHighestRealtimePriority
 /// @return empty; or why the system refuses, and what allows it: all stays as it was
 std::string takeRealtimePriority(int priority);
+
+/// Of roscpp's thread that reads and writes the sockets of this process, all of them. Waits until
+/// it has it, 0.1 s as a rule.
+/// @param priority, @return  as for takeRealtimePriority()
+std::string giveSocketsRealtimePriority(int priority);
 
 }  // namespace raven_correction
