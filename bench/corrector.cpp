@@ -211,6 +211,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Latency of the corrector beside a bare relay"};
   double seconds = 20.0, rate = 1000.0;
   std::optional<int> priority;
+  int busy = 0;
   std::string json;
   app.add_option("--seconds", seconds, "how long each of the three is measured [s]")
       ->check(CLI::Range(1.0, 1e5));
@@ -218,6 +219,8 @@ int main(int argc, char** argv) {
   app.add_option("--realtime-priority", priority,
                  "of relay and node; that of robot.launch unless given; 0: none")
       ->check(CLI::Range(0, kHighestRealtimePriority));
+  app.add_option("--busy", busy, "so many programs that compute all the while, beside")
+      ->check(CLI::Range(0, 64));
   app.add_option("--json", json, "write the figures to this file");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -239,9 +242,12 @@ int main(int argc, char** argv) {
     nodelet::Loader loader(/*provide_ros_api=*/false);
     if (!loader.load("/nodelet/corrector", "raven_correction/corrector", {}, {}))
       throw std::runtime_error("the nodelet could not be loaded");
+    for (int i = 0; i < busy; ++i)
+      master.start("busy_" + std::to_string(i), {"/bin/sh", "-c", "while :; do :; done"});
     std::cerr << "measuring each of the three for " << seconds << " s\n";
     nlohmann::json result = measure(master, seconds, rate, relay, node);
     result["machine"] = machine;
+    result["busy"] = busy;
     print(result);
     if (!json.empty()) std::ofstream(json) << result.dump(2) << "\n";
   } catch (const std::exception& error) {
