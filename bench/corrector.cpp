@@ -18,6 +18,7 @@
 #include <thread>
 
 #include "bench/support/durations.h"
+#include "bench/support/instrument.h"
 #include "bench/support/own_master.h"
 #include "bench/support/relay.h"
 #include "bench/support/shipped_size.h"
@@ -50,6 +51,7 @@ class Path {
     statuses_ = nh.subscribe<CorrectionStatus>(
         "correction/status", 10000,
         [this](const CorrectionStatus::ConstPtr& status) { onStatus(*status); });
+    makeInstrument(queue_);
     spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
     spinner_->start();
   }
@@ -178,6 +180,8 @@ nlohmann::json measure(OwnMaster& master, double seconds, double rate, pid_t rel
           return path.connected();
         },
         "the topics of " + path.name());
+  makeSocketsInstrument();
+  becomeInstrument();
   for (Path& path : paths) turn(path, rate, 2.0, 0);  // warming up
   for (Path& path : paths) path.startMeasuring();
 

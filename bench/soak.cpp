@@ -19,6 +19,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "bench/support/instrument.h"
 #include "bench/support/own_master.h"
 #include "bench/support/relay.h"
 #include "bench/support/shipped_size.h"
@@ -97,6 +98,7 @@ class Listener {
           stamps_.push_back(message->header.stamp.toNSec());
         },
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+    makeInstrument(queue_);
     spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
     spinner_->start();
   }
@@ -133,6 +135,7 @@ class Source {
                        });
   }
   void run(const std::atomic<bool>& stop) {
+    becomeInstrument();
     const auto begin = std::chrono::steady_clock::now();
     for (long i = 0; !stop; ++i) {
       // What was slept through is left out: no burst follows.
@@ -206,6 +209,7 @@ nlohmann::json soak(OwnMaster& master, double seconds, const std::string& bag) {
   start.bag = bag;
   call<StartRecording>("start", start);
 
+  makeSocketsInstrument();
   const std::uint64_t first = (ros::Time::now() + ros::Duration(kWarmingUp)).toNSec();
   std::atomic<bool> stop{false};
   std::thread camera_thread([&] { cameras.run(stop); });
