@@ -38,6 +38,8 @@ constexpr double kPlannerRate = 1000.0, kCameraRate = 480.0;  // [1/s]
 /// Messages count from here on: by then every connection stands, also those between other nodes.
 constexpr double kWarmingUp = 5.0;  // [s]
 constexpr char kArm[] = "arm";
+constexpr double kLeastShare = 0.9;    ///< of the planner's poses that have to be sent
+constexpr double kLongestStall = 0.1;  ///< that the corrector alone may have [s]
 
 /// The stamps of a stream, in the order in which they were seen [ns].
 using Stamps = std::vector<std::uint64_t>;
@@ -54,20 +56,31 @@ std::size_t missing(const Stamps& all, const Stamps& part) {
   return rest.size();
 }
 
-/// Of poses that did not come on one way and came on the other: how many, and in how many stalls
-/// (successive ones are one). @param sent  in the order in which they were
+/// Of poses that did not come on one way and came on the other: how many, in how many stalls (what
+/// no pose that came parts is one), and the longest time between two poses that came where one was
+/// lost [s]. @param sent  in the order in which they were
 nlohmann::json missedAlone(const Stamps& sent, const Stamps& one, const Stamps& other) {
   const Stamps here = ordered(one), there = ordered(other);
   std::size_t poses = 0, stalls = 0;
+  double longest = 0.0;
   bool stalled = false;
+  std::uint64_t came = sent.empty() ? 0 : sent.front();
+  const auto endStall = [&](std::uint64_t stamp) {
+    if (stalled) longest = std::max(longest, 1e-9 * static_cast<double>(stamp - came));
+    stalled = false;
+    came = stamp;
+  };
   for (const std::uint64_t stamp : sent) {
-    const bool alone = !std::binary_search(here.begin(), here.end(), stamp) &&
-                       std::binary_search(there.begin(), there.end(), stamp);
-    poses += alone;
-    stalls += alone && !stalled;
-    stalled = alone;
+    if (std::binary_search(here.begin(), here.end(), stamp)) {
+      endStall(stamp);
+    } else if (std::binary_search(there.begin(), there.end(), stamp)) {
+      ++poses;
+      stalls += stalled ? 0 : 1;
+      stalled = true;
+    }
   }
-  return {{"poses", poses}, {"stalls", stalls}};
+  if (!sent.empty()) endStall(sent.back());
+  return {{"poses", poses}, {"stalls", stalls}, {"longest_s", longest}};
 }
 
 /// Those from `first` on.
@@ -260,6 +273,11 @@ std::string verdict(const nlohmann::json& result) {
       text += "the bag lacks messages of " + topic + ", or has them in another order\n";
   for (const char* const name : {"relay", "corrector"})
     if (result[name]["reordered"] > 0) text += std::string(name) + " changed the order\n";
+  if (result["relay"]["sent"].get<double>() <
+      kLeastShare * kPlannerRate * result["seconds"].get<double>())
+    text += "the planner itself stood still: the machine is too busy for this\n";
+  if (result["corrector"]["alone"]["longest_s"].get<double>() > kLongestStall)
+    text += "the corrector let poses wait, or lost them, for longer than a stall\n";
   // Both have a queue of one: a machine that is busy for a millisecond takes poses from both, or
   // from either, by chance. More than chance has a cause. A stall that only one of them feels is as
   // likely to be the one's as the other's (McNemar's test, doi:10.1007/BF02295996).
@@ -282,9 +300,10 @@ void print(const nlohmann::json& result) {
   row("planner -> corrector", result["corrector"]);
   for (const auto& [topic, stream] : result["bag"].items()) row("recorded " + topic, stream);
   for (const char* const name : {"relay", "corrector"})
-    std::printf("missed by the %s alone: %lu, in %lu stalls\n", name,
+    std::printf("missed by the %s alone: %lu, in %lu stalls, the longest of %.4f s\n", name,
                 result[name]["alone"]["poses"].get<unsigned long>(),
-                result[name]["alone"]["stalls"].get<unsigned long>());
+                result[name]["alone"]["stalls"].get<unsigned long>(),
+                result[name]["alone"]["longest_s"].get<double>());
 }
 
 }  // namespace

@@ -50,6 +50,9 @@ foreach(room ${core_rooms} plant ros)
     target_link_libraries(${target} ${library} yaml-cpp
       nlohmann_json::nlohmann_json OpenMP::OpenMP_CXX ${MATIO_LIBRARY}
       GTest::gtest GTest::gtest_main)
+    if(room STREQUAL "ros")
+      target_link_libraries(${target} BZip2::BZip2)
+    endif()
     add_dependencies(tests ${target})
     set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/gtest-${room}.xml)
     catkin_run_tests_target(gtest ${room} gtest-${room}.xml

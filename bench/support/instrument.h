@@ -39,7 +39,10 @@ inline void makeInstrument(ros::CallbackQueue& queue) {
 }
 
 /// Of roscpp's thread of this process.
-inline void makeSocketsInstrument() { giveSocketsRealtimePriority(kInstrumentPriority); }
+inline void makeSocketsInstrument() {
+  const std::string refusal = giveSocketsRealtimePriority(kInstrumentPriority);
+  if (!refusal.empty()) std::cerr << "bench: sockets may stall: " << refusal << "\n";
+}
 
 }  // namespace bench
 }  // namespace raven_correction

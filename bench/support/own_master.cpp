@@ -103,16 +103,16 @@ void OwnMaster::checkAlive() {
 }
 
 int realtimePriority(pid_t process) {
-  int highest = 0;
+  std::vector<int> priorities{0, 0};
   std::error_code gone;
   for (const auto& task :
        std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", gone)) {
     const pid_t thread = std::stoi(task.path().filename().string());
     sched_param parameters{};  // zero priority wherever the policy is not real-time
-    if (sched_getparam(thread, &parameters) == 0)
-      highest = std::max(highest, parameters.sched_priority);
+    if (sched_getparam(thread, &parameters) == 0) priorities.push_back(parameters.sched_priority);
   }
-  return highest;
+  std::sort(priorities.rbegin(), priorities.rend());
+  return priorities[1];
 }
 
 double processorTime(pid_t process) {

@@ -50,7 +50,7 @@ class OwnMaster {
   bool keep_ = false;
 };
 
-/// The highest real-time priority of the threads of a process; 0: none has one.
+/// The real-time priority that the two threads on the way of a pose have; 0: one of them has none.
 int realtimePriority(pid_t process);
 
 /// Processor time of a process since its start [s].

@@ -35,8 +35,9 @@ inline int relayMain(int argc, char** argv) {
       ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   // As the node corrector does it, so that the two differ by the correction alone.
   if (const int priority = argc > 3 ? std::atoi(argv[3]) : 0) {
-    takeRealtimePriority(priority);
-    giveSocketsRealtimePriority(priority);
+    for (const std::string& refusal :
+         {takeRealtimePriority(priority), giveSocketsRealtimePriority(priority)})
+      if (!refusal.empty()) ROS_WARN("relay: %s", refusal.c_str());
   }
   ros::spin();
   return 0;

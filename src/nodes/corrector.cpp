@@ -10,10 +10,11 @@ int main(int argc, char** argv) {
   const ros::NodeHandle nh, private_nh("~");  // without one, roscpp says nothing any more
   try {
     raven_correction::CorrectorNode node(nh, private_nh);
-    // This process is there for nothing else: also what reads and writes the poses goes first. That
-    // the system refuses it the node has said.
-    if (node.realtimePriority() > 0)
-      raven_correction::giveSocketsRealtimePriority(node.realtimePriority());
+    // This process is there for nothing else: also what reads and writes the poses goes first.
+    if (const int priority = node.realtimePriority(); priority > 0) {
+      const std::string refusal = raven_correction::giveSocketsRealtimePriority(priority);
+      if (!refusal.empty()) ROS_WARN("corrector: sockets: %s", refusal.c_str());
+    }
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());

@@ -7,6 +7,7 @@
 #include <rosbag/exceptions.h>
 
 #include <algorithm>
+#include <new>
 #include <string>
 
 #include "raven_correction/error.h"
@@ -25,14 +26,14 @@ constexpr std::size_t kMostOfLz4 = 256, kFrameOfLz4 = 1024;
 /// Not through rosbag, which does not say how much it has unpacked.
 void unpackBz2(std::string_view packed, std::uint32_t size, std::vector<std::uint8_t>& bytes) {
   bz_stream stream{};
-  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) throw rosbag::BagException("bz2: no memory");
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) throw std::bad_alloc();
   const struct End {
     bz_stream* of;
     ~End() { BZ2_bzDecompressEnd(of); }
   } end{&stream};
   stream.next_in = const_cast<char*>(packed.data());
   stream.avail_in = static_cast<unsigned>(packed.size());
-  bytes.clear();
+  bytes = {};
   int result = BZ_OK;
   std::size_t unpacked = 0;
   while (result == BZ_OK && unpacked <= size) {
@@ -44,6 +45,7 @@ void unpackBz2(std::string_view packed, std::uint32_t size, std::vector<std::uin
     if (result == BZ_OK && stream.avail_out > 0) break;  // it wants more than there is
     unpacked = bytes.size() - stream.avail_out;
   }
+  if (result == BZ_MEM_ERROR) throw std::bad_alloc();
   if (result != BZ_OK && result != BZ_STREAM_END)
     throw rosbag::BagFormatException(format("it is damaged (error %d of bz2)", result));
   if (result != BZ_STREAM_END || unpacked != size) refuseSize(size);

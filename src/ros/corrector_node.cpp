@@ -280,6 +280,7 @@ void CorrectorNode::onRobotState(const ros::MessageEvent<AnyMessage const>& even
     robot_state_warned_ = true;
     return;
   }
+  watchClock(ros::Time::now());
   const ros::SteadyTime now = ros::SteadyTime::now();
   const HomingWatch::Homing homing = homing_watch_.update(*state, now.toSec());
   if (homing != HomingWatch::Homing::kNone)

@@ -44,9 +44,13 @@ std::string giveSocketsRealtimePriority(int priority) {
       sockets->addPollThreadListener([priority, answer, asked] {
         if (!asked->exchange(true)) answer->set_value(takeRealtimePriority(priority));
       });
-  const bool answered = refusal.wait_for(kPatience) == std::future_status::ready;
-  sockets->removePollThreadListener(listener);
-  return answered ? refusal.get() : "the sockets have no thread: ros::start() has not been called";
+  refusal.wait_for(kPatience);
+  sockets->removePollThreadListener(listener);  // after this it is not called any more
+  if (refusal.wait_for(std::chrono::seconds(0)) == std::future_status::ready) return refusal.get();
+  return format(
+      "no real-time priority %d for the sockets: their thread has not answered; is it busy, or "
+      "has ros::start() not been called?",
+      priority);
 }
 
 }  // namespace raven_correction

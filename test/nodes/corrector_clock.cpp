@@ -117,6 +117,19 @@ class HomingClock : public CorrectorClock {
       return mayBeOutdated(1e9);
     }));
   }
+  /// Sets the clock, and lets states come until the corrector must know of it.
+  void tellStateAt(double time) {
+    rosgraph_msgs::Clock now;
+    now.clock.fromSec(time);
+    int told = 0;
+    EXPECT_TRUE(probe_.until([&] {
+      clock_.publish(now);
+      if (std::abs(ros::Time::now().toSec() - time) > 1e-6) return false;
+      state_.publish(operatingState("ENABLED", true));
+      ros::WallDuration(0.05).sleep();
+      return ++told > 20;
+    }));
+  }
   /// What is said of a model whose recording knows of a homing at this time.
   std::string said(double homed_at) {
     static int number = 0;
@@ -163,6 +176,14 @@ TEST_F(HomingClock, WhatWasBeforeTheClockBeganIsNotAfterAHoming) {
   homeAt(3000.0);
   EXPECT_TRUE(isOutdated(2000.0));
   EXPECT_FALSE(mayBeOutdated(3000.0));
+}
+
+TEST_F(HomingClock, AClockThatStatesTellOfBoundsThemToo) {
+  beSilentBeforeTheClock();
+  tellStateAt(4000.0);  // and no pose
+  sendAt(5000.0);
+  EXPECT_TRUE(mayBeOutdated(3900.0));
+  EXPECT_FALSE(mayBeOutdated(4100.0));
 }
 
 }  // namespace

@@ -326,6 +326,7 @@ TEST_F(PreflightFaults, OneRunsAtATimeAndSwitchingOffDoesNotWait) {
   EXPECT_TRUE(enable(false).success);
   EXPECT_TRUE(saysCode(CorrectionStatus::PASSED_OFF));
   EXPECT_FALSE(isReady(first));
+  sees_ = true;  // it has soon seen enough
   EXPECT_TRUE(run([&] { return isReady(first); }));
 }
 

@@ -9,6 +9,9 @@
 #include <std_msgs/Header.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/topics.h"
@@ -87,6 +90,27 @@ TEST_F(SessionBag, ObservationsAreRegisteredIntoTheBaseFrame) {
   EXPECT_TRUE(session.goals[0].has_target);
   EXPECT_FALSE(session.goals[1].has_target);
   EXPECT_TRUE(holdsSession(file));
+}
+
+TEST_F(SessionBag, ADamagedChunkDoesNotHideThatItIsASession) {
+  const std::string file = path("s.bag");
+  rosbag::Bag bag(file, rosbag::bagmode::Write);
+  event(bag, 10.0, "a", TrajectoryEvent::START);
+  streams(bag, 10.0, 11.0, "0_link", "mocap");
+  registration(bag);
+  event(bag, 11.0, "a", TrajectoryEvent::END);
+  bag.close();
+  ASSERT_EQ(readSessionBag(file).dataset.trajectories.size(), 1u);
+  std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(bytes), std::istreambuf_iterator<char>()};
+  const std::size_t time = content.find("time=");  // of its first message
+  ASSERT_NE(time, std::string::npos);
+  bytes.seekp(static_cast<std::streamoff>(time)).write("conn", 4);
+  bytes.close();
+  EXPECT_TRUE(holdsSession(file));
+  const std::string said = complaint({file});
+  EXPECT_NE(said.find(file), std::string::npos) << said;
+  EXPECT_NE(said.find("byte "), std::string::npos) << said;
 }
 
 TEST_F(SessionBag, PartsOfOneRecordingAreReadAsOne) {

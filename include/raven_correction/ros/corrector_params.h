@@ -35,7 +35,7 @@ struct CorrectorParams {
   std::string robot_state_topic;          ///< enabled and homed? empty: not asked
   double robot_state_timeout = 1.0;       ///< an older state is not known any more [s]
   bool watch_output = true;               ///< ask the master who else publishes the output
-  int realtime_priority = 0;              ///< of the thread that handles poses; 0: as all others
+  int realtime_priority = 0;              ///< of the threads on a pose's way; 0: none
   bool lookahead = true;                  ///< correct for the pose ahead on an announced path
   bool require_preflight = false;         ///< before a model may be switched on
   PreflightLimits preflight;              ///< what it has to keep

@@ -38,7 +38,8 @@ using ShareRead = std::function<void(double)>;
 ///         text names the frames)
 Session readSessionBag(const std::string& file);
 
-/// Whether the file is a complete bag with motion capture in it.
+/// Whether the file is a bag with an index and motion capture among its topics; whether what is in
+/// its chunks is sound, reading it says.
 bool holdsSession(const std::string& file);
 
 /// A bag, or a data set directory, whichever the path is.
