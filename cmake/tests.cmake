@@ -77,7 +77,7 @@ foreach(launch_file ${node_tests})
     set(target ${PROJECT_NAME}_test_${name})
     add_rostest_gtest(${target} test/nodes/${name}.test test/nodes/${name}.cpp)
     if(node_targets)
-      add_dependencies(${target} ${node_targets})
+      add_dependencies(${target} ${node_targets} ${nodelet_libraries})  # loaded while they run
     endif()
     set_target_properties(${target} PROPERTIES OUTPUT_NAME test_${name})
     target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test)
