@@ -51,7 +51,7 @@ class Path {
     statuses_ = nh.subscribe<CorrectionStatus>(
         "correction/status", 10000,
         [this](const CorrectionStatus::ConstPtr& status) { onStatus(*status); });
-    makeInstrument(queue_);
+    doFirst(queue_, becomeInstrument);
     spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
     spinner_->start();
   }

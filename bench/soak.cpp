@@ -26,6 +26,7 @@
 #include "raven_correction/error.h"
 #include "raven_correction/ros/conversions.h"
 #include "raven_correction/ros/model_file.h"
+#include "raven_correction/ros/realtime.h"
 #include "raven_correction/ros/topics.h"
 
 namespace {
@@ -111,7 +112,7 @@ class Listener {
           stamps_.push_back(message->header.stamp.toNSec());
         },
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
-    makeInstrument(queue_);
+    doFirst(queue_, becomeInstrument);
     spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
     spinner_->start();
   }

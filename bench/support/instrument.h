@@ -3,10 +3,9 @@
 // priority, so that poses wait on the way that is measured and not at its ends.
 #pragma once
 
-#include <ros/callback_queue.h>
-
-#include <boost/make_shared.hpp>
 #include <iostream>
+#include <mutex>
+#include <string>
 
 #include "raven_correction/ros/realtime.h"
 
@@ -15,27 +14,13 @@ namespace bench {
 
 constexpr int kInstrumentPriority = 20;  ///< above relay and corrector
 
-/// Of the calling thread; where the system refuses, it says so once, and the figures are those of
-/// the instrument, too.
+/// Of the calling thread; where the system refuses, the figures are those of the instrument, too.
 inline void becomeInstrument() {
-  static const bool said = [] {
-    const std::string refusal = takeRealtimePriority(kInstrumentPriority);
-    if (!refusal.empty())
-      std::cerr << "bench: planner and subscriber may stall: " << refusal << "\n";
-    return true;
-  }();
-  if (said) takeRealtimePriority(kInstrumentPriority);
-}
-
-/// Of the thread that spins a queue: the first thing that it does.
-inline void makeInstrument(ros::CallbackQueue& queue) {
-  class Beginning : public ros::CallbackInterface {
-    CallResult call() override {
-      becomeInstrument();
-      return Success;
-    }
-  };
-  queue.addCallback(boost::make_shared<Beginning>());
+  const std::string refusal = takeRealtimePriority(kInstrumentPriority);
+  static std::once_flag said;
+  if (!refusal.empty())
+    std::call_once(
+        said, [&] { std::cerr << "bench: planner and subscriber may stall: " << refusal << "\n"; });
 }
 
 /// Of roscpp's thread of this process.

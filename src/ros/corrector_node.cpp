@@ -40,24 +40,16 @@ bool setModes(const std::vector<CorrectedArm*>& arms, CorrectorMode mode, bool o
   return false;
 }
 
-/// What the live thread begins with.
-class LiveThreadBeginning : public ros::CallbackInterface {
- public:
-  explicit LiveThreadBeginning(int priority) : priority_(priority) {}
-  CallResult call() override {
-    pthread_setname_np(pthread_self(), "corrector_live");  // as top and chrt show it
-    if (priority_ == 0) return Success;
-    const std::string refusal = takeRealtimePriority(priority_);
-    if (refusal.empty())
-      ROS_INFO("corrector: poses are handled with real-time priority %d", priority_);
-    else
-      ROS_WARN("corrector: %s", refusal.c_str());
-    return Success;
-  }
-
- private:
-  const int priority_;  ///< 0: that of all others
-};
+/// @param priority  real-time; 0: that of all others
+void beginLiveThread(int priority) {
+  pthread_setname_np(pthread_self(), "corrector_live");  // as top and chrt show it
+  if (priority == 0) return;
+  const std::string refusal = takeRealtimePriority(priority);
+  if (refusal.empty())
+    ROS_INFO("corrector: poses are handled with real-time priority %d", priority);
+  else
+    ROS_WARN("corrector: %s", refusal.c_str());
+}
 
 /// Bit for bit, in the parts that are asked for.
 bool isChanged(const ArmRequest& request, const Pose& command) noexcept {
@@ -81,7 +73,7 @@ CorrectorNode::CorrectorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   }
   robot_ready_ = params_.robot_state_topic.empty();
   updateHold();
-  live_queue_.addCallback(boost::make_shared<LiveThreadBeginning>(params_.realtime_priority));
+  doFirst(live_queue_, [priority = params_.realtime_priority] { beginLiveThread(priority); });
 
   if (params_.pose_type == "PoseStamped")
     subscribeDesired<geometry_msgs::PoseStamped>();

@@ -6,11 +6,13 @@
 #include <sched.h>
 
 #include <atomic>
+#include <boost/make_shared.hpp>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <future>
 #include <memory>
+#include <utility>
 
 #include "raven_correction/error.h"
 
@@ -18,6 +20,18 @@ namespace raven_correction {
 namespace {
 
 constexpr std::chrono::seconds kPatience{2};  ///< of a loop that turns ten times a second
+
+class Action : public ros::CallbackInterface {
+ public:
+  explicit Action(std::function<void()> action) : action_(std::move(action)) {}
+  CallResult call() override {
+    action_();
+    return Success;
+  }
+
+ private:
+  const std::function<void()> action_;
+};
 
 }  // namespace
 
@@ -51,6 +65,10 @@ std::string giveSocketsRealtimePriority(int priority) {
       "no real-time priority %d for the sockets: their thread has not answered; is it busy, or "
       "has ros::start() not been called?",
       priority);
+}
+
+void doFirst(ros::CallbackQueueInterface& queue, std::function<void()> action) {
+  queue.addCallback(boost::make_shared<Action>(std::move(action)));
 }
 
 }  // namespace raven_correction

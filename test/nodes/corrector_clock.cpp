@@ -117,18 +117,16 @@ class HomingClock : public CorrectorClock {
       return mayBeOutdated(1e9);
     }));
   }
-  /// Sets the clock, and lets states come until the corrector must know of it.
-  void tellStateAt(double time) {
+  /// Sets the clock and publishes states, no pose, until the condition holds.
+  template <typename Condition>
+  bool untilStatesTell(double time, Condition condition) {
     rosgraph_msgs::Clock now;
     now.clock.fromSec(time);
-    int told = 0;
-    EXPECT_TRUE(probe_.until([&] {
+    return probe_.until([&] {
       clock_.publish(now);
-      if (std::abs(ros::Time::now().toSec() - time) > 1e-6) return false;
       state_.publish(operatingState("ENABLED", true));
-      ros::WallDuration(0.05).sleep();
-      return ++told > 20;
-    }));
+      return condition();
+    });
   }
   /// What is said of a model whose recording knows of a homing at this time.
   std::string said(double homed_at) {
@@ -180,7 +178,7 @@ TEST_F(HomingClock, WhatWasBeforeTheClockBeganIsNotAfterAHoming) {
 
 TEST_F(HomingClock, AClockThatStatesTellOfBoundsThemToo) {
   beSilentBeforeTheClock();
-  tellStateAt(4000.0);  // and no pose
+  EXPECT_TRUE(untilStatesTell(4000.0, [this] { return !mayBeOutdated(4100.0); }));
   sendAt(5000.0);
   EXPECT_TRUE(mayBeOutdated(3900.0));
   EXPECT_FALSE(mayBeOutdated(4100.0));

@@ -17,6 +17,7 @@ enum class BagParts {
 };
 
 /// A bag to read, of which no damage makes rosbag read beyond its memory (bag_structure.h).
+/// @param parts  nothing else may be read: only that is looked at
 /// @throws rosbag::BagException  it cannot be read, or is damaged, and where
 rosbag::Bag openBagFile(const std::string& file, BagParts parts = BagParts::kAll);
 

@@ -3,6 +3,9 @@
 // them has something to do, on the processor where it runs.
 #pragma once
 
+#include <ros/callback_queue_interface.h>
+
+#include <functional>
 #include <string>
 
 namespace raven_correction {
@@ -19,5 +22,9 @@ std::string takeRealtimePriority(int priority);
 /// it has it, 0.1 s as a rule.
 /// @param priority, @return  as for takeRealtimePriority()
 std::string giveSocketsRealtimePriority(int priority);
+
+/// What the thread of a queue does before anything else, such as to take a priority. To be called
+/// before the queue gets callbacks and is spun, by one thread.
+void doFirst(ros::CallbackQueueInterface& queue, std::function<void()> action);
 
 }  // namespace raven_correction
