@@ -30,7 +30,12 @@ std::unique_ptr<Rival> Selector::compareWith(const Candidate& equal, const Membe
   const LossComparison ahead = rule_.compare(held_out, held_out_, held_out_);
   const double gain = rule_.compare(dropped.held_out, held_out_).share;
   const double rivals_gain = rule_.compare(dropped.held_out, held_out).share;
-  if (ahead.z_mean > Rival::kTie || rivals_gain < kTieShare * gain) return nullptr;
+  // Differences that are next to nothing, but of one sign, have a large z: where the motions hold
+  // less than that many deviations of information, they tell nobody apart.
+  const double information = -rule_.logLikelihood(held_out - held_out_, held_out_);
+  const bool told_apart =
+      ahead.z_mean > Rival::kTie && information > 0.5 * Rival::kTie * Rival::kTie;
+  if (told_apart || rivals_gain < kTieShare * gain) return nullptr;
 
   auto rival = std::make_unique<Rival>();
   rival->hypothesis = candidate.hypothesis;
@@ -46,7 +51,7 @@ std::unique_ptr<Rival> Selector::compareWith(const Candidate& equal, const Membe
   rival->z = ahead.z_mean;
   rival->log_likelihood =
       rule_.logLikelihood(held_out_, held_out_) - rule_.logLikelihood(held_out, held_out_);
-  rival->log_likelihood_expected = -rule_.logLikelihood(held_out - held_out_, held_out_);
+  rival->log_likelihood_expected = information;
   return rival;
 }
 

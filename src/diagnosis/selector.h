@@ -49,7 +49,8 @@ struct Finalist {
 };
 
 // Two explanations of held-out motions cannot be told apart with z (LossComparison) up to
-// Rival::kTie, if the lesser one explains at least kTieShare of what the better does.
+// Rival::kTie, or where what they predict differs by less than a log likelihood of kTie^2 / 2, if
+// the lesser one explains at least kTieShare of what the better does.
 constexpr double kTieShare = 0.9;
 
 /// Whether they have a parameter in common.

