@@ -218,8 +218,11 @@ int main(int argc, char** argv) {
   int busy = 0;
   std::string json;
   app.add_option("--seconds", seconds, "how long each of the three is measured [s]")
+      ->capture_default_str()
       ->check(CLI::Range(1.0, 1e5));
-  app.add_option("--rate", rate, "poses per second [1/s]")->check(CLI::Range(1.0, 5e3));
+  app.add_option("--rate", rate, "poses per second [1/s]")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 5e3));
   app.add_option("--realtime-priority", priority,
                  "of relay and node; that of robot.launch unless given; 0: none")
       ->check(CLI::Range(0, kHighestRealtimePriority));

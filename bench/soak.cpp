@@ -314,7 +314,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Counts messages through corrector and recorder for a long time"};
   double minutes = 30.0;
   std::string json;
-  app.add_option("--minutes", minutes, "how long [min]")->check(CLI::Range(0.01, 1e4));
+  app.add_option("--minutes", minutes, "how long [min]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1e4));
   app.add_option("--json", json, "write the figures to this file");
   CLI11_PARSE(app, argc, argv);
   try {
